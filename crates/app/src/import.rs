@@ -1,0 +1,239 @@
+//! `lightmend import`: a scene file of OBJ models, which have neither lamps nor cameras.
+//!
+//! The meshes are cleaned and written beside the scene file, in metres, so that the scene stands on its own.
+
+use crate::{Common, failure::Failure, output::{self, say}};
+use glam::DVec3;
+use lightmend_scene::{
+    Direct, Mesh, Up,
+    format::{CameraEntry, LampEntry, MaterialEntry, ObjectEntry, SceneFile, write_ron},
+    obj::{MtlMaterial, Strictness, read_obj, write_obj},
+    unknown,
+};
+use std::{collections::BTreeMap, path::PathBuf};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// OBJ files
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// The scene file to write; the meshes go beside it
+    #[arg(long, value_name = "SCENE")]
+    out: PathBuf,
+    /// Metres per unit of the models
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    scale: f64,
+    /// The models' up axis
+    #[arg(long, value_name = "AXIS", default_value = "y")]
+    up: UpArgument,
+    /// A point lamp: position in metres (after --scale), luminous intensity in candela
+    #[arg(long, value_name = "x,y,z,cd", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    lamp: Vec<[f64; 4]>,
+    /// Reflectance of a material or an object (linear, 0 to 1), over what the models say
+    #[arg(long, value_name = "NAME=r,g,b", value_parser = named_reflectance)]
+    reflectance: Vec<(String, [f64; 3])>,
+    /// An object that may be moved; `all` for every one
+    #[arg(long, value_name = "NAME")]
+    movable: Vec<String>,
+    /// Longest edge of a mesh element, metres; by default about 12,000 elements
+    #[arg(long, value_name = "M")]
+    cell: Option<f64>,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum UpArgument {
+    Y,
+    Z,
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let values: Result<Vec<f64>, _> = text.split(',').map(|v| v.trim().parse::<f64>()).collect();
+    let values = values.ok().filter(|v| v.iter().all(|x| x.is_finite()));
+    values.and_then(|v| v.try_into().ok()).ok_or_else(|| format!("'{text}' is not {N} numbers separated by commas"))
+}
+
+fn named_reflectance(text: &str) -> Result<(String, [f64; 3]), String> {
+    let (name, values) = text.rsplit_once('=').ok_or("must be NAME=r,g,b")?;
+    let values: [f64; 3] = numbers(values)?;
+    if values.iter().any(|v| !(0.0..=1.0).contains(v)) {
+        return Err("reflectances are within 0 to 1".into());
+    }
+    Ok((name.to_owned(), values))
+}
+
+/// The models under way to a scene.
+#[derive(Default)]
+struct Import {
+    objects: Vec<(String, Mesh)>,
+    materials: BTreeMap<String, MaterialEntry>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let common = &arguments.common;
+    if !(arguments.scale.is_finite() && arguments.scale > 0.0) {
+        return Err(Failure::input(format!("--scale {}: must be positive", arguments.scale)));
+    }
+    if let Some([.., candela]) = arguments.lamp.iter().find(|l| l[3] < 0.0) {
+        return Err(Failure::input(format!("--lamp: {candela} candela are below 0")));
+    }
+    if arguments.cell.is_some_and(|c| !(c.is_finite() && c > 0.0)) {
+        return Err(Failure::input("--cell must be a positive length in metres"));
+    }
+    output::file(&arguments.out)?;
+    let mut import = Import::default();
+    for model in &arguments.models {
+        import.model(model, arguments)?;
+    }
+    let changed = import.reflectances(&arguments.reflectance)?;
+    let file = import.scene_file(arguments, &changed)?;
+    let mesh_path = arguments.out.with_extension("obj");
+    let meshes: Vec<(String, &Mesh)> = import.objects.iter().map(|(name, mesh)| (name.clone(), mesh)).collect();
+    output::write(&mesh_path, |out| write_obj(out, &meshes))?;
+    write_ron(&arguments.out, &file)?;
+    let triangles: usize = import.objects.iter().map(|(_, m)| m.triangles.len()).sum();
+    if common.json {
+        let summary = serde_json::json!({ "scene": arguments.out, "objects": import.objects.len(), "triangles": triangles });
+        output::json(None, &summary, true)?;
+    } else if common.talks() {
+        say(&format!("{} objects, {triangles} triangles: {} and {}", import.objects.len(), arguments.out.display(), mesh_path.display()));
+        if arguments.lamp.is_empty() {
+            say("there is no lamp yet: add one to the scene file, or give --lamp x,y,z,cd");
+        }
+    }
+    Ok(())
+}
+
+impl Import {
+    fn model(&mut self, path: &std::path::Path, arguments: &Arguments) -> Result<(), Failure> {
+        let (model, warnings) = read_obj(path, Strictness::Import)?;
+        arguments.common.warn(&warnings);
+        for material in &model.materials {
+            self.material(path, material, arguments)?;
+        }
+        for mut part in model.parts {
+            for name in &part.mesh.materials {
+                let grey = || MaterialEntry { reflectance: DVec3::splat(0.5), texture: None };
+                self.materials.entry(name.clone()).or_insert_with(grey);
+            }
+            part.mesh.positions.iter_mut().for_each(|p| *p *= arguments.scale);
+            let name = self.free_name(&part.name);
+            self.objects.push((name, part.mesh));
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, path: &std::path::Path, material: &MtlMaterial, arguments: &Arguments) -> Result<(), Failure> {
+        if material.emission.iter().any(|e| *e > 0.0) && !arguments.common.quiet {
+            let what = "it glows (Ke), but lamps are points: it becomes a plain surface; give --lamp x,y,z,cd for its light";
+            eprintln!("warning: {}: material '{}': {what}", path.display(), material.name);
+        }
+        let folder = arguments.out.parent().unwrap_or(std::path::Path::new(""));
+        let texture = material.texture.as_ref().map(|t| {
+            let name = t.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            std::fs::copy(t, folder.join(&name)).map(|_| name).map_err(|e| Failure::input(format!("{}: cannot be copied: {e}", t.display())))
+        });
+        let entry = MaterialEntry { reflectance: material.reflectance.into(), texture: texture.transpose()? };
+        self.materials.entry(material.name.clone()).or_insert(entry);
+        Ok(())
+    }
+
+    /// `name`, or `name 2` and so on if another model has it already.
+    fn free_name(&self, name: &str) -> String {
+        let taken = |n: &str| self.objects.iter().any(|(known, _)| known == n);
+        let name = if name.trim().is_empty() { "object" } else { name };
+        let numbered = (2..).map(|k| format!("{name} {k}"));
+        std::iter::once(name.to_owned()).chain(numbered).find(|n| !taken(n)).unwrap_or_default()
+    }
+
+    /// Applies --reflectance; returns the objects that get a material of their own.
+    fn reflectances(&mut self, given: &[(String, [f64; 3])]) -> Result<Vec<String>, Failure> {
+        let mut own = Vec::new();
+        for (name, reflectance) in given {
+            let entry = MaterialEntry { reflectance: (*reflectance).into(), texture: None };
+            if self.materials.contains_key(name) {
+                self.materials.insert(name.clone(), entry);
+            } else if self.objects.iter().any(|(n, _)| n == name) {
+                self.materials.insert(name.clone(), entry);
+                own.push(name.clone());
+            } else {
+                let known = self.materials.keys().chain(self.objects.iter().map(|(n, _)| n)).map(String::as_str);
+                return Err(Failure::input(format!("--reflectance: {}", unknown("material or object", name, known))));
+            }
+        }
+        Ok(own)
+    }
+
+    fn scene_file(&self, arguments: &Arguments, own_material: &[String]) -> Result<SceneFile, Failure> {
+        let all = arguments.movable.iter().any(|m| m == "all");
+        for name in arguments.movable.iter().filter(|m| *m != "all") {
+            if !self.objects.iter().any(|(n, _)| n == name) {
+                let known = self.objects.iter().map(|(n, _)| n.as_str());
+                return Err(Failure::input(format!("--movable: {}", unknown("object", name, known))));
+            }
+        }
+        let name = arguments.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mesh = arguments.out.with_extension("obj").file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let objects = self.objects.iter().map(|(name, _)| ObjectEntry {
+            name: name.clone(),
+            mesh: mesh.clone(),
+            part: Some(name.clone()),
+            position: DVec3::ZERO,
+            rotation: DVec3::ZERO,
+            on: None,
+            movable: all || arguments.movable.contains(name),
+            material: own_material.contains(name).then(|| name.clone()),
+            hidden_from_camera: false,
+        });
+        let lamps = arguments.lamp.iter().enumerate().map(|(n, [x, y, z, candela])| LampEntry {
+            name: format!("lamp {}", n + 1),
+            position: DVec3::new(*x, *y, *z),
+            rotation: DVec3::ZERO,
+            on: None,
+            intensity: DVec3::splat(*candela),
+            photometry: None,
+            direct: Direct::Rasteriser,
+        });
+        let up = if arguments.up == UpArgument::Y { Up::Y } else { Up::Z };
+        let (low, high) = self.bounds();
+        Ok(SceneFile {
+            name,
+            up,
+            cell: arguments.cell.unwrap_or_else(|| self.default_cell()),
+            materials: self.materials.clone(),
+            objects: objects.collect(),
+            lamps: lamps.collect(),
+            cameras: vec![camera(up, low, high)],
+        })
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let points = || self.objects.iter().flat_map(|(_, m)| m.positions.iter().copied());
+        (points().fold(DVec3::INFINITY, DVec3::min), points().fold(DVec3::NEG_INFINITY, DVec3::max))
+    }
+
+    /// About 12,000 right-angled elements over all surfaces, to two digits.
+    fn default_cell(&self) -> f64 {
+        let area: f64 = self
+            .objects
+            .iter()
+            .flat_map(|(_, m)| (0..m.triangles.len()).map(|t| m.corners(t)))
+            .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+            .sum();
+        let cell = (4.0 * area / 12_000.0).sqrt().max(1e-6);
+        let digit = 10f64.powf(cell.log10().floor() - 1.0);
+        (cell / digit).round() * digit
+    }
+}
+
+/// In front of the model, looking at its middle; front is towards +z with y up and towards −y with z up.
+fn camera(up: Up, low: DVec3, high: DVec3) -> CameraEntry {
+    let middle = (low + high) / 2.0;
+    let size = high - low;
+    let eye = match up {
+        Up::Y => middle + DVec3::Z * (size.z / 2.0 + size.x.max(size.y) * 1.3),
+        Up::Z => middle - DVec3::Y * (size.y / 2.0 + size.x.max(size.z) * 1.3),
+    };
+    CameraEntry { name: "front".into(), eye, target: middle, fov: 45.0 }
+}

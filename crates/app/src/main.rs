@@ -1,0 +1,136 @@
+//! `lightmend`: interactive global illumination for rooms that people rearrange.
+//!
+//! One file per subcommand; this one reads the arguments, sets up threads and turns failures into one line and an exit status:
+//! 0 done, 1 failed, 2 bad input or arguments.
+
+mod apply;
+mod check;
+mod failure;
+mod figure;
+mod import;
+mod output;
+mod picture;
+mod probe;
+mod progress;
+mod replay;
+mod solve;
+
+use clap::{Args, Parser, Subcommand};
+use failure::Failure;
+use lightmend_photon::{halton::Scrambling, pool::Pool};
+use lightmend_scene::{Scene, Warning};
+use std::{path::Path, process::ExitCode, sync::Arc};
+
+/// Interactive global illumination for rooms that people rearrange.
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Shoot a pool of photons and write what it lit
+    Solve(solve::Arguments),
+    /// Write the scene as it is after scripted moves
+    Apply(apply::Arguments),
+    /// Repair the light after scripted moves, in several orders, and compare their work
+    Replay(replay::Arguments),
+    /// Read irradiance at points of surfaces
+    Probe(probe::Arguments),
+    /// Say what is in a scene and what is wrong with it
+    Check(check::Arguments),
+    /// Make a scene file of OBJ models
+    Import(import::Arguments),
+}
+
+/// What every command takes.
+#[derive(Args, Clone, Copy)]
+struct Common {
+    /// Threads to trace with; all cores by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Print the summary as JSON, and nothing else, on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+impl Common {
+    /// Whether to talk on standard output.
+    fn talks(&self) -> bool {
+        !self.quiet && !self.json
+    }
+
+    fn set_up(&self) -> Result<(), Failure> {
+        let threads = self.threads.map_or(0, usize::from);
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|e| Failure::failed(format!("threads cannot be started: {e}")))?;
+        progress::listen_for_interrupt()
+    }
+
+    fn read_scene(&self, path: &Path) -> Result<Arc<Scene>, Failure> {
+        let (scene, warnings) = Scene::read(path)?;
+        self.warn(&warnings);
+        Ok(scene)
+    }
+
+    fn warn(&self, warnings: &[Warning]) {
+        if !self.quiet {
+            for warning in warnings {
+                eprintln!("warning: {warning}");
+            }
+        }
+    }
+}
+
+/// How large a pool is and how its sequence is scrambled.
+#[derive(Args, Clone, Copy)]
+struct PoolArguments {
+    /// Photons in the pool. More: less noise (half for four times as many), longer work
+    #[arg(long, value_name = "N")]
+    photons: Option<u64>,
+    /// Groups that the pool is split into (the seed's Ng), best a product of powers of 2, 3, 5, 7
+    #[arg(long, value_name = "N", default_value_t = 288)]
+    ng: u32,
+    /// Photons per pilot photon (the seed's R)
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    r: u32,
+    /// Seed of the sequence's digit permutations; 0 is the plain Halton sequence
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    scramble: u64,
+}
+
+/// The seed's pool for its ROOM.
+const DEFAULT_PHOTONS: u64 = 1_152_000;
+
+impl PoolArguments {
+    fn pool(&self) -> Result<Pool, Failure> {
+        let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
+        Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.ng, self.r, scrambling).map_err(|e| Failure::input(format!("--photons: {e}")))
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Apply(arguments) => apply::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Probe(arguments) => probe::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("lightmend: {failure}");
+            ExitCode::from(failure.status())
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! `lightmend solve`: shoot a pool and write what it lit.
+
+use crate::{Common, PoolArguments, failure::Failure, output::{self, say}, picture, progress};
+use lightmend_photon::{body::TreePreset, irradiance::Scale, path::FirstHits, solution::Solution, world::World};
+use lightmend_scene::Configuration;
+use serde_json::json;
+use std::{path::PathBuf, sync::Arc, time::Instant};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Scene file
+    scene: PathBuf,
+    #[command(flatten)]
+    pool: PoolArguments,
+    /// Shoot for so many seconds instead of a number of photons
+    #[arg(long, value_name = "S", conflicts_with = "photons")]
+    seconds: Option<f64>,
+    /// Write the integer buckets, one line per object, cell, side and lamp
+    #[arg(long, value_name = "FILE")]
+    dump: Option<PathBuf>,
+    /// Write summary.json and a picture per camera into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Photons of a run that ends by the clock: as many as there are indices.
+const BY_THE_CLOCK: u64 = lightmend_photon::halton::INDEX_LIMIT;
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let common = &arguments.common;
+    common.set_up()?;
+    let mut sized = arguments.pool;
+    if let Some(seconds) = arguments.seconds {
+        if !(seconds.is_finite() && seconds > 0.0) {
+            return Err(Failure::input(format!("--seconds {seconds}: must be positive")));
+        }
+        sized.photons = Some(BY_THE_CLOCK);
+    }
+    let mut pool = sized.pool()?;
+    if arguments.seconds.is_some() {
+        // The pilots are chosen for a default pool; the clock decides how many corrective photons follow.
+        pool = PoolArguments { photons: None, ..arguments.pool }.pool()?.grown(BY_THE_CLOCK);
+    }
+    let scene = common.read_scene(&arguments.scene)?;
+    let out = arguments.out.as_deref().map(output::folder).transpose()?;
+    arguments.dump.as_deref().map_or(Ok(()), output::file)?;
+
+    let start = Instant::now();
+    let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
+    let built = start.elapsed().as_secs_f64();
+    let bar = progress::bar(arguments.seconds.map_or(pool.photons(), |s| (s * 1000.0) as u64), "shooting photons", common.quiet);
+    let start = Instant::now();
+    let mut rays = 0;
+    let solution = Solution::shoot(pool, world, FirstHits::AsLampsSay, &mut |photons, new_rays| {
+        rays += new_rays;
+        let elapsed = start.elapsed().as_secs_f64();
+        bar.set_position(arguments.seconds.map_or(photons, |_| (elapsed * 1000.0) as u64));
+        !progress::interrupted() && arguments.seconds.is_none_or(|s| elapsed < s)
+    });
+    bar.finish_and_clear();
+    let Some(solution) = solution else {
+        return Err(Failure::failed("interrupted before there were enough photons to keep"));
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    let photons = solution.pool().photons();
+
+    let buckets = solution.buckets();
+    if let Some(path) = &arguments.dump {
+        output::write(path, |file| buckets.dump(&scene, file))?;
+    }
+    let tallies = solution.tallies();
+    let total = |f: fn(&lightmend_photon::path::Tally) -> i64| tallies.iter().map(f).sum::<i64>();
+    let threads = rayon::current_num_threads();
+    let summary = json!({
+        "scene": scene.name, "photons": photons, "threads": threads, "rays": rays, "seconds": seconds, "tree_seconds": built,
+        "triangles": scene.triangles(), "cells": scene.cells(),
+        "absorbed": total(|t| t.absorbed), "escaped": total(|t| t.escaped), "cut": total(|t| t.cut),
+        "lit_buckets": buckets.lit().count(), "bucket_bytes": buckets.bytes(), "interrupted": progress::interrupted(),
+    });
+    output::json(out.as_ref().map(|o| o.join("summary.json")).as_deref(), &summary, common.json)?;
+    if common.talks() {
+        say(&format!(
+            "{}: {photons} photons, {rays} rays ({:.2} a photon) in {seconds:.2} s on {threads} threads: {:.2} Mrays/s",
+            scene.name, rays as f64 / photons as f64, rays as f64 / seconds / 1e6
+        ));
+        say(&format!(
+            "absorbed {}, escaped {}, cut {}", total(|t| t.absorbed), total(|t| t.escaped), total(|t| t.cut)
+        ));
+    }
+    if let Some(out) = out {
+        let scale = Scale::new(&scene, solution.rules(), photons);
+        for (name, view) in &scene.cameras {
+            let path = out.join(format!("{}.png", name.replace(['/', ' '], "_")));
+            picture::write(&path, solution.world(), buckets, &scale, view)?;
+            if common.talks() {
+                say(&format!("picture: {}", path.display()));
+            }
+        }
+    }
+    if progress::interrupted() { Err(Failure::failed(format!("interrupted; {photons} photons were kept"))) } else { Ok(()) }
+}

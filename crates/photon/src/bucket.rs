@@ -1,0 +1,136 @@
+//! Where photons land: integer sums per object, side, lamp and mesh element.
+//!
+//! Integers add and subtract exactly in any order: the order of threads, edits or photons never changes a bit. A page of buckets
+//! exists only where light has arrived, so the inside of furniture costs nothing.
+//!
+//! Headroom: a deposit is at most 2²⁴ per channel; 2⁴² photons cannot be, but 10⁸ photons of 64 hits each stay below 2⁵⁷.
+
+use glam::Vec3;
+use lightmend_scene::Scene;
+use std::io::{self, Write};
+
+/// log₂ of the energy of a photon that has lost nothing: a deposit is `round(throughput · 2²⁴)`.
+pub const ENERGY_BITS: u32 = 24;
+
+/// Where a deposit goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Address {
+    /// Index of the object.
+    pub object: u32,
+    /// Cell of the object's lattice.
+    pub cell: u32,
+    /// 0: front, 1: back.
+    pub side: u8,
+    /// Index of the lamp.
+    pub lamp: u16,
+}
+
+/// A photon's energy at one hit, added or taken away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Deposit {
+    /// Where.
+    pub to: Address,
+    /// Whether it is taken away.
+    pub negative: bool,
+    /// Per linear Rec. 709 channel, in units of 2⁻²⁴ of a photon.
+    pub energy: [u32; 3],
+}
+
+/// Throughput per channel as fixed-point energy.
+#[inline]
+pub fn energy(throughput: Vec3) -> [u32; 3] {
+    // Below one each, so below 2²⁴ + 1: exact in f32 up to the one rounding that is meant.
+    throughput.to_array().map(|t| (t * (1u32 << ENERGY_BITS) as f32).round_ties_even() as u32)
+}
+
+/// The light that has arrived at one element side from one lamp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Bucket {
+    /// Energy per channel.
+    pub energy: [i64; 3],
+    /// Photon hits.
+    pub hits: i64,
+}
+
+/// All buckets of a scene.
+#[derive(Debug, Clone)]
+pub struct Buckets {
+    cells: Vec<u32>,
+    lamps: usize,
+    pages: Vec<Option<Box<[Bucket]>>>,
+}
+
+impl Buckets {
+    /// Dark buckets for `scene`.
+    pub fn new(scene: &Scene) -> Buckets {
+        let cells: Vec<u32> = scene.objects.iter().map(|o| o.lattice.cells()).collect();
+        let lamps = scene.lamps.len();
+        let pages = vec![None; cells.len() * 2 * lamps];
+        Buckets { cells, lamps, pages }
+    }
+
+    fn page(&self, object: usize, side: usize, lamp: usize) -> usize {
+        (object * 2 + side) * self.lamps + lamp
+    }
+
+    /// Adds or takes away deposits.
+    pub fn add(&mut self, deposits: &[Deposit]) {
+        for deposit in deposits {
+            let Address { object, cell, side, lamp } = deposit.to;
+            let page = self.page(object as usize, usize::from(side), usize::from(lamp));
+            let cells = self.cells[object as usize] as usize;
+            let buckets = self.pages[page].get_or_insert_with(|| vec![Bucket::default(); cells].into());
+            let bucket = &mut buckets[cell as usize];
+            let sign = if deposit.negative { -1 } else { 1 };
+            for (sum, energy) in bucket.energy.iter_mut().zip(deposit.energy) {
+                *sum += sign * i64::from(energy);
+            }
+            bucket.hits += sign;
+        }
+    }
+
+    /// The buckets of all cells of one object, side and lamp; `None` if no light ever arrived.
+    pub fn get(&self, object: usize, side: usize, lamp: usize) -> Option<&[Bucket]> {
+        self.pages[self.page(object, side, lamp)].as_deref()
+    }
+
+    /// Every bucket that is not dark, in order of object, cell, side and lamp.
+    pub fn lit(&self) -> impl Iterator<Item = (Address, Bucket)> + '_ {
+        (0..self.cells.len()).flat_map(move |object| {
+            let pages = &self.pages[self.page(object, 0, 0)..self.page(object + 1, 0, 0)];
+            let cells = if pages.iter().any(Option::is_some) { self.cells[object] } else { 0 };
+            (0..cells).flat_map(move |cell| {
+                pages.iter().enumerate().filter_map(move |(n, page)| {
+                    let bucket = page.as_ref()?[cell as usize];
+                    let (side, lamp) = ((n / self.lamps) as u8, (n % self.lamps) as u16);
+                    (bucket != Bucket::default()).then_some((Address { object: object as u32, cell, side, lamp }, bucket))
+                })
+            })
+        })
+    }
+
+    /// Writes every bucket that is not dark as a line of text: object, cell, side, lamp, hits, energy (red, green, blue).
+    /// Two solutions are equal if and only if their dumps are.
+    pub fn dump(&self, scene: &Scene, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "object\tcell\tside\tlamp\thits\tred\tgreen\tblue")?;
+        for (at, bucket) in self.lit() {
+            let (object, lamp) = (&scene.objects[at.object as usize].name, &scene.lamps[usize::from(at.lamp)].name);
+            let side = if at.side == 0 { "front" } else { "back" };
+            let [red, green, blue] = bucket.energy;
+            writeln!(out, "{object}\t{}\t{side}\t{lamp}\t{}\t{red}\t{green}\t{blue}", at.cell, bucket.hits)?;
+        }
+        Ok(())
+    }
+
+    /// Memory of the pages in use, bytes.
+    pub fn bytes(&self) -> usize {
+        self.pages.iter().flatten().map(|p| std::mem::size_of_val::<[Bucket]>(p)).sum()
+    }
+}
+
+impl PartialEq for Buckets {
+    /// Equal light, whatever pages were touched on the way.
+    fn eq(&self, other: &Self) -> bool {
+        self.cells == other.cells && self.lamps == other.lamps && self.lit().eq(other.lit())
+    }
+}

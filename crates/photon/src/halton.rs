@@ -1,0 +1,244 @@
+//! The Halton sequence with exact integer numerators, plain or with permuted digits.
+//!
+//! Dmitriev et al. 2002, §4.1: photon *i* takes its random numbers from the radical inverses Φ₂(i), Φ₃(i), Φ₅(i), … (Eq. 1, 2).
+//! Φ_b(i) = m / b^K with an integer m; m is summed from tables of a few digits each, and only then divided, so that two values
+//! are equal only if they are, and elementary intervals are exact (Eq. 3).
+//! Permuting each digit (a random permutation per base and position) keeps the periodicity of Eq. 3, unlike a random shift.
+//! Dimensions past [`DIMENSIONS`] are padded with a hash of (index, dimension): so deep in a path stratification buys nothing.
+
+use crate::hash::mix;
+
+/// Dimensions that come from the Halton sequence; the largest base is the 64th prime, 311.
+pub const DIMENSIONS: usize = 64;
+
+/// Photon indices stay below this, so that every numerator is exact in 53 bits.
+pub const INDEX_LIMIT: u64 = 1 << 42;
+
+/// The longest table, entries.
+const TABLE: u64 = 512;
+
+/// How the digits of the sequence are permuted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scrambling {
+    /// The sequence as the seed paper uses it.
+    None,
+    /// Every digit of every base by a permutation of its own, drawn from this seed.
+    Seed(u64),
+}
+
+/// The radical inverse in one base.
+#[derive(Debug)]
+pub struct RadicalInverse {
+    /// b^d, where d digits are looked up at once.
+    step: u64,
+    /// For each run of d digits, what its value adds to the numerator.
+    tables: Vec<Vec<u64>>,
+    /// What all the runs from this one on add when they are zero.
+    rest: Vec<u64>,
+    /// b^K.
+    denominator: u64,
+}
+
+impl RadicalInverse {
+    /// The radical inverse in `base` (a prime).
+    pub fn new(base: u64, scrambling: Scrambling) -> RadicalInverse {
+        let (mut digits, mut denominator) = (0u32, 1u64);
+        while denominator < INDEX_LIMIT {
+            denominator *= base;
+            digits += 1;
+        }
+        let mut run = 1;
+        while base.pow(run + 1) <= TABLE {
+            run += 1;
+        }
+        let step = base.pow(run);
+        let mut tables = Vec::new();
+        for first in (0..digits).step_by(run as usize) {
+            let positions: Vec<u32> = (first..digits.min(first + run)).collect();
+            let permutations: Vec<Vec<u64>> = positions.iter().map(|p| permutation(base, *p, scrambling)).collect();
+            let table = (0..base.pow(positions.len() as u32)).map(|value| {
+                let mut value = value;
+                let mut sum = 0;
+                for (position, permutation) in positions.iter().zip(&permutations) {
+                    sum += permutation[(value % base) as usize] * base.pow(digits - 1 - position);
+                    value /= base;
+                }
+                sum
+            });
+            tables.push(table.collect::<Vec<u64>>());
+        }
+        let mut rest = vec![0; tables.len() + 1];
+        for run in (0..tables.len()).rev() {
+            rest[run] = rest[run + 1] + tables[run][0];
+        }
+        RadicalInverse { step, tables, rest, denominator }
+    }
+
+    /// m in Φ_b(i) = m / [`denominator`](Self::denominator).
+    #[inline]
+    pub fn numerator(&self, index: u64) -> u64 {
+        let mut sum = 0;
+        let mut run = 0;
+        // Dividing 32-bit numbers is several times faster, and nearly all indices are such.
+        if let Ok(mut index) = u32::try_from(index) {
+            let step = self.step as u32;
+            while index > 0 {
+                sum += self.tables[run][(index % step) as usize];
+                index /= step;
+                run += 1;
+            }
+        } else {
+            let mut index = index;
+            while index > 0 {
+                sum += self.tables[run][(index % self.step) as usize];
+                index /= self.step;
+                run += 1;
+            }
+        }
+        sum + self.rest[run]
+    }
+
+    /// b^K, below 2^53.
+    pub fn denominator(&self) -> u64 {
+        self.denominator
+    }
+
+    /// Φ_b(i), correctly rounded, in [0, 1).
+    #[inline]
+    pub fn value(&self, index: u64) -> f64 {
+        self.numerator(index) as f64 / self.denominator as f64
+    }
+}
+
+fn permutation(base: u64, position: u32, scrambling: Scrambling) -> Vec<u64> {
+    let mut digits: Vec<u64> = (0..base).collect();
+    if let Scrambling::Seed(seed) = scrambling {
+        let mut state = mix(seed ^ mix(base << 32 | u64::from(position)));
+        for i in (1..base).rev() {
+            state = mix(state);
+            // The bias of a remainder of 64 bits by at most 311 is below 1e-16.
+            digits.swap(i as usize, (state % (i + 1)) as usize);
+        }
+    }
+    digits
+}
+
+/// The random numbers of all photons: one radical inverse per dimension, then the hash.
+#[derive(Debug)]
+pub struct Sequence {
+    inverses: Vec<RadicalInverse>,
+    padding: u64,
+}
+
+impl Sequence {
+    /// The Halton sequence in the first [`DIMENSIONS`] primes.
+    pub fn new(scrambling: Scrambling) -> Sequence {
+        let inverses = primes().take(DIMENSIONS).map(|p| RadicalInverse::new(p, scrambling)).collect();
+        let padding = match scrambling {
+            Scrambling::None => 0,
+            Scrambling::Seed(seed) => mix(seed),
+        };
+        Sequence { inverses, padding }
+    }
+
+    /// Number `dimension` of photon `index`, in [0, 1).
+    #[inline]
+    pub fn value(&self, index: u64, dimension: usize) -> f64 {
+        match self.inverses.get(dimension) {
+            Some(inverse) => inverse.value(index),
+            None => (mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64 / (1u64 << 53) as f64,
+        }
+    }
+
+    /// The radical inverse of a dimension below [`DIMENSIONS`].
+    pub fn inverse(&self, dimension: usize) -> &RadicalInverse {
+        &self.inverses[dimension]
+    }
+}
+
+/// The prime numbers.
+pub fn primes() -> impl Iterator<Item = u64> {
+    (2u64..).filter(|n| (2..).take_while(|d| d * d <= *n).all(|d| n % d != 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agrees_with_the_halton_crate() {
+        // Its `number` is sound, its iterator is not: it ends after 1,048,575 values. See the README.
+        for base in [2u64, 3, 5, 7, 11, 13, 47, 89, 97] {
+            let inverse = RadicalInverse::new(base, Scrambling::None);
+            let count = if base == 2 || base == 97 { 10_000_000 } else { 400_000 };
+            for i in 0..count {
+                let oracle = halton::number(base as usize, i);
+                assert!((inverse.value(i as u64) - oracle).abs() <= 5e-16, "base {base}, index {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn numerators_are_exact_beyond_32_bits() {
+        for base in [2u64, 3, 5, 7, 97, 311] {
+            let inverse = RadicalInverse::new(base, Scrambling::None);
+            for i in [0, 1, base, (1 << 32) - 1, 1 << 32, (1 << 32) + 12_345, INDEX_LIMIT - 1] {
+                let (mut rest, mut numerator, mut denominator) = (i, 0u128, 1u128);
+                while rest > 0 {
+                    numerator = numerator * u128::from(base) + u128::from(rest % base);
+                    denominator *= u128::from(base);
+                    rest /= base;
+                }
+                let (n, d) = (u128::from(inverse.numerator(i)), u128::from(inverse.denominator()));
+                assert_eq!(n * denominator, numerator * d, "base {base}, index {i}");
+                // The f64 is the correctly rounded quotient: half a unit in the last place of n / d.
+                let value = inverse.value(i);
+                let (below, above) = (value.next_down(), value.next_up());
+                let scale = d as f64;
+                assert!(below * scale <= n as f64 && n as f64 <= above * scale && value < 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn scrambled_digits_are_permutations() {
+        for base in [2u64, 3, 5, 7, 13] {
+            let plain = RadicalInverse::new(base, Scrambling::None);
+            let scrambled = RadicalInverse::new(base, Scrambling::Seed(7));
+            let count = base.pow(3);
+            let cell = |r: &RadicalInverse, i| r.numerator(i) / (r.denominator() / count);
+            let mut cells: Vec<u64> = (0..count).map(|i| cell(&scrambled, i)).collect();
+            assert_ne!(cells, (0..count).map(|i| cell(&plain, i)).collect::<Vec<_>>());
+            cells.sort_unstable();
+            assert!(cells.iter().copied().eq(0..count), "every elementary interval once");
+        }
+    }
+
+    #[test]
+    fn groups_are_elementary_intervals() {
+        // Dmitriev et al. 2002, Eq. 3: photons i and i + m·Ng agree to within b^-k in base b, for every group.
+        for scrambling in [Scrambling::None, Scrambling::Seed(11)] {
+            for (groups, powers) in [(288u64, vec![(2u64, 5u32), (3, 2)]), (10_080, vec![(2, 5), (3, 2), (5, 1), (7, 1)])] {
+                for (base, power) in powers {
+                    let inverse = RadicalInverse::new(base, scrambling);
+                    let interval = inverse.denominator() / base.pow(power);
+                    for group in 0..groups {
+                        let first = inverse.numerator(group);
+                        for m in 1..40 {
+                            let other = inverse.numerator(group + m * groups);
+                            assert_eq!(first / interval, other / interval, "group {group} of {groups}, base {base}");
+                            assert!(first.abs_diff(other) < interval, "Eq. 3");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn padding_is_uniform() {
+        let sequence = Sequence::new(Scrambling::None);
+        let mean = (0..100_000).map(|i| sequence.value(i, DIMENSIONS + 3)).sum::<f64>() / 1e5;
+        assert!((mean - 0.5).abs() < 4.0 / (12e5f64).sqrt());
+    }
+}

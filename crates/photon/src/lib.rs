@@ -1,0 +1,39 @@
+//! Light that leaves the lamps and lands in mesh elements. CPU, no pictures.
+//!
+//! Follow one photon: its index becomes random numbers ([`halton`]), which choose a lamp ([`emission`]) and, at every hit
+//! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
+//! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]). A [`pool`] of photons is shot and, after edits,
+//! repaired group by group ([`solution`]: Algorithm 1 of Dmitriev et al. 2002), in the background ([`solver`]) or as an
+//! experiment, order against order ([`recovery`]).
+//!
+//! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
+//!
+//! ```no_run
+//! use lightmend_photon::{halton::Scrambling, path::FirstHits, pool::Pool, solver::{Settings, Solver}};
+//! use lightmend_scene::{Configuration, Edit, Scene};
+//! let (scene, _) = Scene::read("scenes/room/room.ron".as_ref())?;
+//! let room = Configuration::initial(&scene);
+//! let pool = Pool::new(1_152_000, 288, 16, Scrambling::Seed(1))?;
+//! let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: std::time::Duration::from_millis(20), threads: 2 };
+//! let solver = Solver::start(room.clone(), settings)?;
+//! solver.edit(room.apply(&Edit::Move { object: "table".into(), to: glam::DVec3::new(2.6, 1.0, 0.0) })?);
+//! let light = solver.wait_until_exact();
+//! assert!(light.exact);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod body;
+pub mod bucket;
+pub mod emission;
+pub mod halton;
+mod hash;
+pub mod irradiance;
+pub mod path;
+pub mod pool;
+pub mod probe;
+pub mod recovery;
+pub mod sampling;
+pub mod solution;
+pub mod solver;
+pub mod triangle;
+pub mod world;

@@ -1,0 +1,378 @@
+//! One photon: from its lamp through the room.
+//!
+//! A path is a pure function of the photon's index and a world. At every hit the photon deposits, then Russian roulette on the
+//! surface's largest reflectance decides whether it goes on, in a Lambertian direction; throughput per channel stays at most 1.
+//! Hit *k* takes dimensions 2+2k (event, remapped to one coordinate) and 3+2k (the other) of the sequence
+//! (Dmitriev et al. 2002, §4.1).
+
+use crate::{
+    bucket::{Address, Deposit, energy},
+    emission::LampChoice,
+    halton::Sequence,
+    pool::PhotonIndex,
+    sampling::cosine_hemisphere,
+    triangle::{Hit, Ray, Triangle},
+    world::{Difference, World},
+};
+use glam::Vec3;
+use lightmend_scene::Direct;
+
+/// A path is cut after this many hits; at reflectance 0.999 a share of 10⁻²⁸ gets so far.
+pub const LONGEST_PATH: u32 = 1 << 16;
+
+/// Which hits deposit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FirstHits {
+    /// As each lamp says: those of photon-drawn lamps.
+    #[default]
+    AsLampsSay,
+    /// None: buckets hold indirect light alone.
+    Never,
+    /// All: buckets hold all light.
+    Always,
+}
+
+/// How photons become paths; the same for all of a pool.
+#[derive(Debug)]
+pub struct Rules {
+    /// Their random numbers.
+    pub sequence: Sequence,
+    /// Their lamps.
+    pub lamps: LampChoice,
+    /// Per lamp, whether the first hit deposits.
+    pub first_hits: Vec<bool>,
+}
+
+impl Rules {
+    /// Rules for a scene's lamps.
+    pub fn new(scene: &lightmend_scene::Scene, sequence: Sequence, first_hits: FirstHits) -> Rules {
+        let counts = |lamp: &lightmend_scene::Lamp| match first_hits {
+            FirstHits::AsLampsSay => lamp.direct == Direct::Photons,
+            FirstHits::Never => false,
+            FirstHits::Always => true,
+        };
+        Rules { sequence, lamps: LampChoice::new(scene), first_hits: scene.lamps.iter().map(counts).collect() }
+    }
+}
+
+/// How a path ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// A surface took the photon.
+    Absorbed,
+    /// It met nothing.
+    Escaped,
+    /// It had [`LONGEST_PATH`] hits.
+    Cut,
+}
+
+/// A photon under way: about to leave a lamp or a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Photon<'w> {
+    index: PhotonIndex,
+    lamp: u16,
+    hits: u32,
+    throughput: Vec3,
+    ray: Ray<'w>,
+}
+
+/// What happens to a photon, as it happens.
+pub trait Record {
+    /// It meets a surface with the given throughput; `deposits` says whether the hit counts.
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World);
+    /// Its path ends with the given throughput.
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16);
+    /// A ray was traced through the trees.
+    fn ray(&mut self);
+}
+
+impl<'w> Photon<'w> {
+    /// Photon `index` as it leaves its lamp.
+    pub fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Photon<'w> {
+        let (lamp, u) = rules.lamps.choose(rules.sequence.value(index.0, 0));
+        let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
+        let ray = Ray::new(world.lamps()[lamp].position.as_vec3(), direction, None, 0.0);
+        Photon { index, lamp: lamp as u16, hits: 0, throughput: Vec3::ONE, ray }
+    }
+
+    /// The index of its lamp.
+    pub fn lamp(&self) -> usize {
+        usize::from(self.lamp)
+    }
+
+    /// Goes on to the next surface; `met` is what the ray meets. `None` when the path has ended.
+    fn step<'n>(self, rules: &Rules, world: &'n World, met: Option<Hit<'n>>, record: &mut impl Record) -> Option<Photon<'n>> {
+        let Some(hit) = met else {
+            record.end(End::Escaped, self.throughput, self.lamp);
+            return None;
+        };
+        let normal = hit.triangle.normal();
+        let back = normal.dot(self.ray.direction) > 0.0;
+        let deposits = self.hits > 0 || rules.first_hits[self.lamp()];
+        record.hit(&hit, u8::from(back), self.throughput, self.lamp, deposits, world);
+        let reflectance = reflectance(world, &hit);
+        let survival = reflectance.max_element();
+        let dimension = 2 + 2 * self.hits as usize;
+        let u = rules.sequence.value(self.index.0, dimension);
+        if u >= f64::from(survival) {
+            record.end(End::Absorbed, self.throughput, self.lamp);
+            return None;
+        }
+        let throughput = self.throughput * (reflectance / survival);
+        if self.hits + 1 == LONGEST_PATH {
+            record.end(End::Cut, throughput, self.lamp);
+            return None;
+        }
+        let u = (u / f64::from(survival)).min(1.0f64.next_down());
+        let v = rules.sequence.value(self.index.0, dimension + 1);
+        let direction = cosine_hemisphere(if back { -normal } else { normal }, u, v);
+        let step_back = world.reach().step_back();
+        let ray = Ray::new(self.origin_before(&hit, normal, step_back), direction, Some(hit.triangle), step_back);
+        Some(Photon { hits: self.hits + 1, throughput, ray, ..self })
+    }
+
+    /// A point just before the hit, on the ray itself: unlike a step along the normal it cannot pass another surface, however acute
+    /// the corner. It stands `step_back` above the surface, nearer only where the ray is grazing or the way was short.
+    fn origin_before(&self, hit: &Hit, normal: Vec3, step_back: f32) -> Vec3 {
+        let unit = self.ray.direction.normalize();
+        let way = hit.distance * self.ray.direction.length();
+        let back = (step_back / normal.dot(unit).abs().max(1.0 / 16.0)).min(way / 2.0);
+        hit.triangle.point(hit.weights) - unit * back
+    }
+
+    /// Follows the photon to its end in one world.
+    fn follow(self, rules: &Rules, world: &'w World, record: &mut impl Record) {
+        let mut photon = self;
+        loop {
+            record.ray();
+            let met = world.nearest(&photon.ray);
+            match photon.step(rules, world, met, record) {
+                Some(next) => photon = next,
+                None => return,
+            }
+        }
+    }
+}
+
+/// Reflectance of the surface at a hit, per channel.
+pub fn reflectance(world: &World, hit: &Hit) -> Vec3 {
+    let scene = world.scene();
+    let object = &scene.objects[hit.triangle.object()];
+    let t = hit.triangle.in_mesh();
+    let material = &scene.materials[object.materials[usize::from(object.mesh.material_of[t])]];
+    material.reflectance_at(|| match object.mesh.uvs.get(t) {
+        None => [0.0; 2],
+        Some(uvs) => {
+            let uv = uvs.iter().zip(hit.weights).map(|(uv, w)| *uv * f64::from(w)).sum::<glam::DVec2>();
+            uv.as_vec2().to_array()
+        }
+    })
+}
+
+/// Traces photon `index` through `world`.
+pub fn trace(rules: &Rules, world: &World, index: PhotonIndex, record: &mut impl Record) {
+    Photon::emit(rules, world, index).follow(rules, world, record);
+}
+
+/// What a photon met of what changed, on the part of its way that is the same in both worlds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touched {
+    /// Nothing: both paths are the same.
+    Nothing,
+    /// A changed object where it now stands.
+    Object(usize),
+    /// A changed object where it stood: its phantom.
+    Phantom(usize),
+    /// The photon leaves a lamp that was moved.
+    Lamp(usize),
+}
+
+/// Traces photon `index` in both worlds at once (Dmitriev et al. 2002, Algorithm 1): in the old one with phantoms of `changed`, in the
+/// new one with those objects themselves. The common beginning is traced once and recorded nowhere: it deposits the same in both.
+/// From where they part, the old path goes to `old` and the new one to `new`. Traversals of the common part count in `new`.
+pub fn trace_both(
+    rules: &Rules,
+    worlds: [&World; 2],
+    changed: &Difference,
+    index: PhotonIndex,
+    old: &mut impl Record,
+    new: &mut impl Record,
+) -> Touched {
+    let [before, after] = worlds;
+    let mut photon = Photon::emit(rules, after, index);
+    if changed.lamps.contains(&photon.lamp()) {
+        let lamp = photon.lamp();
+        Photon::emit(rules, before, index).follow(rules, before, old);
+        photon.follow(rules, after, new);
+        return Touched::Lamp(lamp);
+    }
+    loop {
+        new.ray();
+        let met = after.nearest(&photon.ray);
+        let phantom = before.nearest_of(&changed.objects, &photon.ray, met).filter(|hit| !is_same(hit, &met));
+        let touched = match (&met, &phantom) {
+            (_, Some(hit)) => Touched::Phantom(hit.triangle.object()),
+            (Some(hit), None) if changed.objects.binary_search(&hit.triangle.object()).is_ok() => {
+                Touched::Object(hit.triangle.object())
+            }
+            _ => Touched::Nothing,
+        };
+        if touched != Touched::Nothing {
+            // What the old path meets: the phantom if it is nearest of all, otherwise its own traversal tells.
+            let met_before = phantom.or_else(|| {
+                old.ray();
+                before.nearest(&photon.ray)
+            });
+            if let Some(next) = photon.step(rules, before, met_before, old) {
+                next.follow(rules, before, old);
+            }
+            if let Some(next) = photon.step(rules, after, met, new) {
+                next.follow(rules, after, new);
+            }
+            return touched;
+        }
+        match photon.step(rules, after, met, &mut Unrecorded) {
+            Some(next) => photon = next,
+            None => return Touched::Nothing,
+        }
+    }
+}
+
+fn is_same(hit: &Hit, met: &Option<Hit>) -> bool {
+    met.is_some_and(|met| std::ptr::eq::<Triangle>(hit.triangle, met.triangle))
+}
+
+/// The common part of two paths leaves no trace.
+struct Unrecorded;
+
+impl Record for Unrecorded {
+    fn hit(&mut self, _: &Hit, _: u8, _: Vec3, _: u16, _: bool, _: &World) {}
+    fn end(&mut self, _: End, _: Vec3, _: u16) {}
+    fn ray(&mut self) {}
+}
+
+/// Counts that balance: emitted = absorbed + escaped + cut. Signed, since a re-shot photon takes its old end back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Photons that a surface took.
+    pub absorbed: i64,
+    /// Photons that met nothing.
+    pub escaped: i64,
+    /// Photons whose path was cut.
+    pub cut: i64,
+    /// Energy of the escaped ones, per channel, in units of 2⁻²⁴ of a photon.
+    pub escaped_energy: [i64; 3],
+    /// Energy of the cut ones.
+    pub cut_energy: [i64; 3],
+}
+
+impl Tally {
+    /// Adds another tally.
+    pub fn add(&mut self, other: &Tally) {
+        self.absorbed += other.absorbed;
+        self.escaped += other.escaped;
+        self.cut += other.cut;
+        for c in 0..3 {
+            self.escaped_energy[c] += other.escaped_energy[c];
+            self.cut_energy[c] += other.cut_energy[c];
+        }
+    }
+}
+
+/// What paths leave behind, to be added to buckets and tallies.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outcome {
+    /// Deposits, in order.
+    pub deposits: Vec<Deposit>,
+    /// Ends, per lamp.
+    pub tallies: Vec<Tally>,
+    /// Traversals of the trees.
+    pub rays: u64,
+    negative: bool,
+}
+
+impl Outcome {
+    /// Nothing yet; `negative` if paths are to be taken back.
+    pub fn new(lamps: usize, negative: bool) -> Outcome {
+        Outcome { deposits: Vec::new(), tallies: vec![Tally::default(); lamps], rays: 0, negative }
+    }
+}
+
+impl Record for Outcome {
+    #[inline]
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+        if deposits {
+            let to = Address { object: hit.triangle.object() as u32, cell: cell(world, hit), side, lamp };
+            self.deposits.push(Deposit { to, negative: self.negative, energy: energy(throughput) });
+        }
+    }
+
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
+        let sign = if self.negative { -1 } else { 1 };
+        let energy = energy(throughput).map(|e| sign * i64::from(e));
+        let mut tally = Tally::default();
+        match end {
+            End::Absorbed => tally.absorbed = sign,
+            End::Escaped => (tally.escaped, tally.escaped_energy) = (sign, energy),
+            End::Cut => (tally.cut, tally.cut_energy) = (sign, energy),
+        }
+        self.tallies[usize::from(lamp)].add(&tally);
+    }
+
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+}
+
+/// The mesh element at a hit.
+#[inline]
+pub fn cell(world: &World, hit: &Hit) -> u32 {
+    let lattice = &world.scene().objects[hit.triangle.object()].lattice;
+    lattice.cell(hit.triangle.in_mesh(), hit.weights[1], hit.weights[2])
+}
+
+/// A hit of a path and what it deposits, to compare.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Footprint {
+    triangle: u64,
+    side: u8,
+    position: [u32; 3],
+    // The same place of the world can be another element of an object that slid within its own surface.
+    cell: u32,
+    energy: [u32; 3],
+}
+
+/// The hits of a path, to compare.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Trail {
+    hits: Vec<Footprint>,
+    /// Traversals of the trees.
+    pub rays: u64,
+}
+
+impl Trail {
+    /// Whether another path differs in a hit or a deposit.
+    pub fn differs(&self, other: &Trail) -> bool {
+        self.hits != other.hits
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.hits.clear();
+        self.rays = 0;
+    }
+}
+
+impl Record for Trail {
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, _: u16, _: bool, world: &World) {
+        let position = hit.triangle.point(hit.weights).to_array().map(f32::to_bits);
+        let (cell, energy) = (cell(world, hit), energy(throughput));
+        self.hits.push(Footprint { triangle: hit.triangle.id, side, position, cell, energy });
+    }
+
+    fn end(&mut self, _: End, _: Vec3, _: u16) {}
+
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+}

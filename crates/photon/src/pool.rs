@@ -1,0 +1,159 @@
+//! The pool of photons and its groups (Dmitriev et al. 2002, §5.1 and Figure 1).
+//!
+//! With N photons, N_g groups and pilots' ratio R, a group has N_p = ⌊N / (N_g R)⌋ pilots: group *g* holds the pilots
+//! [g·N_p, (g+1)·N_p) and the corrective photons i ≥ N_g·N_p with i mod N_g = g. What N leaves over joins its residue class.
+
+use crate::halton::{INDEX_LIMIT, Scrambling};
+
+/// The index of a photon; its path is a function of it and of the configuration alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PhotonIndex(pub u64);
+
+/// The number of a group of photons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct GroupId(pub u32);
+
+/// A pool that cannot be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PoolError {
+    /// Too few photons for every group to have a pilot and its corrective photons.
+    #[error("{photons} photons are too few for {groups} groups with a pilot among {ratio} photons each: at least {} are needed", *groups as u64 * *ratio as u64)]
+    TooSmall {
+        /// N.
+        photons: u64,
+        /// N_g.
+        groups: u32,
+        /// R.
+        ratio: u32,
+    },
+    /// More photons than indices.
+    #[error("{0} photons are too many: the limit is {INDEX_LIMIT}")]
+    TooLarge(u64),
+    /// No groups or no photons in them.
+    #[error("the number of groups and the pilots' ratio must be at least 1")]
+    Empty,
+}
+
+/// How many photons there are, and how they are grouped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pool {
+    photons: u64,
+    groups: u32,
+    pilots: u64,
+    /// How the sequence is scrambled.
+    pub scrambling: Scrambling,
+}
+
+impl Pool {
+    /// A pool of `photons`, in `groups` = N_g (a product of powers of the first primes, Eq. 5; higher: tighter groups, worse found
+    /// by pilots; 288 = 2⁵·3² by default), with one pilot among `ratio` = R photons (lower: more is known before corrective
+    /// photons are shot, but the coherent ones come later; 16 by default).
+    pub fn new(photons: u64, groups: u32, ratio: u32, scrambling: Scrambling) -> Result<Pool, PoolError> {
+        if groups == 0 || ratio == 0 {
+            return Err(PoolError::Empty);
+        }
+        if photons > INDEX_LIMIT {
+            return Err(PoolError::TooLarge(photons));
+        }
+        let pilots = photons / (u64::from(groups) * u64::from(ratio));
+        if pilots == 0 {
+            return Err(PoolError::TooSmall { photons, groups, ratio });
+        }
+        Ok(Pool { photons, groups, pilots, scrambling })
+    }
+
+    /// The same groups with only the first `photons` photons; `None` if those are less than the pilots.
+    pub fn shrunk(self, photons: u64) -> Option<Pool> {
+        (photons >= self.pilots * u64::from(self.groups)).then_some(Pool { photons: photons.min(self.photons), ..self })
+    }
+
+    /// The same pilots with more corrective photons, `photons` in all.
+    pub fn grown(self, photons: u64) -> Pool {
+        Pool { photons: photons.clamp(self.photons, INDEX_LIMIT), ..self }
+    }
+
+    /// N.
+    pub fn photons(&self) -> u64 {
+        self.photons
+    }
+
+    /// N_g.
+    pub fn groups(&self) -> u32 {
+        self.groups
+    }
+
+    /// N_p, pilots per group.
+    pub fn pilots_per_group(&self) -> u64 {
+        self.pilots
+    }
+
+    /// Whether a photon is a pilot.
+    pub fn is_pilot(&self, photon: PhotonIndex) -> bool {
+        photon.0 < self.pilots * u64::from(self.groups)
+    }
+
+    /// The group whose corrective photons resemble this one: i mod N_g (Eq. 6).
+    pub fn resembled(&self, photon: PhotonIndex) -> GroupId {
+        GroupId((photon.0 % u64::from(self.groups)) as u32)
+    }
+
+    /// How many photons group `g` holds.
+    pub fn group_len(&self, g: GroupId) -> u64 {
+        let all_pilots = self.pilots * u64::from(self.groups);
+        let correctives = (self.photons - all_pilots).saturating_sub(u64::from(g.0)).div_ceil(u64::from(self.groups));
+        self.pilots + correctives
+    }
+
+    /// Photon `k` of group `g`: its pilots first, then its corrective photons.
+    #[inline]
+    pub fn photon(&self, g: GroupId, k: u64) -> PhotonIndex {
+        let groups = u64::from(self.groups);
+        PhotonIndex(if k < self.pilots {
+            u64::from(g.0) * self.pilots + k
+        } else {
+            // N_g·N_p is a multiple of N_g, so the first corrective photon of residue g is N_g·N_p + g.
+            groups * self.pilots + u64::from(g.0) + (k - self.pilots) * groups
+        })
+    }
+
+    /// The photons of group `g`.
+    pub fn photons_of(&self, g: GroupId) -> impl Iterator<Item = PhotonIndex> + '_ {
+        (0..self.group_len(g)).map(move |k| self.photon(g, k))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figure_1_of_the_seed() {
+        // Ng = 4 groups (Figure 1): with Np = 2 and R = 3, group 1 holds pilots 2, 3 and correctives 9, 13, 17, 21.
+        let pool = Pool::new(24, 4, 3, Scrambling::None).unwrap();
+        let group = |g| pool.photons_of(GroupId(g)).map(|i| i.0).collect::<Vec<_>>();
+        assert_eq!(group(0), [0, 1, 8, 12, 16, 20]);
+        assert_eq!(group(1), [2, 3, 9, 13, 17, 21]);
+        assert_eq!(group(2), [4, 5, 10, 14, 18, 22]);
+        assert_eq!(group(3), [6, 7, 11, 15, 19, 23]);
+        assert!(pool.is_pilot(PhotonIndex(7)) && !pool.is_pilot(PhotonIndex(8)));
+        assert_eq!(pool.resembled(PhotonIndex(7)), GroupId(3));
+    }
+
+    #[test]
+    fn every_photon_is_in_one_group() {
+        for (photons, groups, ratio) in [(1000, 6, 4), (1001, 6, 4), (999, 10, 7), (50_000, 288, 16), (10, 10, 1), (13, 10, 1)] {
+            let pool = Pool::new(photons, groups, ratio, Scrambling::None).unwrap();
+            let mut seen: Vec<u64> =
+                (0..groups).flat_map(|g| pool.photons_of(GroupId(g)).map(|i| i.0).collect::<Vec<_>>()).collect();
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..photons), "{photons} in {groups}");
+        }
+    }
+
+    #[test]
+    fn too_small_pools_say_what_they_need() {
+        let error = Pool::new(4607, 288, 16, Scrambling::None).unwrap_err();
+        assert!(error.to_string().ends_with("at least 4608 are needed"));
+        assert!(Pool::new(4608, 288, 16, Scrambling::None).is_ok());
+    }
+}

@@ -1,0 +1,63 @@
+//! Irradiance at points of surfaces: direct light computed at the point itself, indirect light from the buckets.
+
+use crate::{
+    bucket::Buckets,
+    irradiance::{Irradiance, Scale},
+    path,
+    triangle::Ray,
+    world::World,
+};
+use glam::{DVec3, Vec3};
+
+/// What a probe reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Direct irradiance of all lamps, lux per channel: candela · cos θ / d² where a shadow ray is free.
+    pub direct: DVec3,
+    /// Indirect irradiance of the mesh element that the point lies on.
+    pub indirect: Irradiance,
+}
+
+/// Direct irradiance of all lamps at a point on the side of unit `normal`, lux per channel.
+pub fn direct(world: &World, point: DVec3, normal: DVec3) -> DVec3 {
+    direct_of(world, point, normal, |_| true)
+}
+
+/// As [`direct`], of the lamps that `counts` names.
+pub fn direct_of(world: &World, point: DVec3, normal: DVec3, counts: impl Fn(usize) -> bool) -> DVec3 {
+    let scene = world.scene();
+    let above = (point + normal * f64::from(world.reach().step_back()) * 4.0).as_vec3();
+    let mut sum = DVec3::ZERO;
+    for (id, lamp) in world.lamps().iter().enumerate() {
+        let to_lamp = lamp.position - point;
+        let squared = to_lamp.length_squared();
+        let cosine = to_lamp.dot(normal) / squared.sqrt();
+        if counts(id) && cosine > 0.0 && world.sees(above, id) {
+            sum += scene.lamps[id].candela(lamp.rotation.transpose() * -to_lamp) * (cosine / squared);
+        }
+    }
+    sum
+}
+
+/// Reads a point of a surface; `normal` (unit) chooses the side. Buckets must hold indirect light only. `None` if no surface that
+/// faces along the normal is within a thousandth of the scene's reach.
+pub fn read(world: &World, buckets: &Buckets, scale: &Scale, point: DVec3, normal: DVec3) -> Option<Reading> {
+    let near = f64::from(world.reach().metres) * 1e-3;
+    // From just above: another surface may stand close over the point.
+    for height in [near * 0.02, near * 0.2, near] {
+        let from = (point + normal * height).as_vec3();
+        let ray = Ray::new(from, Vec3::from(-normal.as_vec3()), None, 0.0);
+        let Some(hit) = world.nearest(&ray).filter(|h| f64::from(h.distance) <= height + near) else { continue };
+        let front = hit.triangle.normal().as_dvec3().dot(normal);
+        if front.abs() < 0.5 {
+            continue;
+        }
+        let (object, t) = (hit.triangle.object(), hit.triangle.in_mesh());
+        let lattice = &world.scene().objects[object].lattice;
+        let cell = path::cell(world, &hit);
+        let side = usize::from(front < 0.0);
+        let indirect = scale.irradiance(buckets, object, cell, side, lattice.area_in(t));
+        return Some(Reading { direct: direct(world, point, normal), indirect });
+    }
+    None
+}

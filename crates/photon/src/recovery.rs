@@ -1,0 +1,185 @@
+//! Recovery after an edit, order against order: how much work until which share of the relevant photons is repaired.
+//!
+//! A photon is relevant if a hit (triangle, side, exact position) or a deposit of its path differs between the drained
+//! configuration and the edited one; found by brute force. The seed draws such curves in its Figures 5 and 7.
+
+use crate::{
+    hash::mix,
+    path::{FirstHits, Rules, Trail, trace},
+    pool::{PhotonIndex, Pool},
+    solution::{Solution, Work},
+    world::World,
+};
+use rayon::prelude::*;
+use std::{sync::Arc, time::Instant};
+
+/// The order in which photons are repaired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Order {
+    /// Algorithm 1 of the seed.
+    Stateless,
+    /// All photons in random order.
+    Random,
+    /// The relevant photons and no others: the limit of re-shooting.
+    Oracle,
+    /// A new solution from nothing.
+    Restart,
+}
+
+/// Which photons of a pool are relevant for an edit.
+pub struct Relevant {
+    flags: Vec<bool>,
+    count: u64,
+}
+
+impl Relevant {
+    /// Traces every photon in both worlds.
+    pub fn find(pool: &Pool, rules: &Rules, before: &World, after: &World) -> Relevant {
+        let mut flags = vec![false; pool.photons() as usize];
+        const BLOCK: usize = 4096;
+        flags.par_chunks_mut(BLOCK).enumerate().for_each(|(block, flags)| {
+            let (mut old, mut new) = (Trail::default(), Trail::default());
+            for (k, flag) in flags.iter_mut().enumerate() {
+                let index = PhotonIndex((block * BLOCK + k) as u64);
+                old.clear();
+                new.clear();
+                trace(rules, before, index, &mut old);
+                trace(rules, after, index, &mut new);
+                *flag = old.differs(&new);
+            }
+        });
+        let count = flags.iter().filter(|f| **f).count() as u64;
+        Relevant { flags, count }
+    }
+
+    /// How many.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    fn among(&self, photons: impl Iterator<Item = PhotonIndex>) -> u64 {
+        photons.filter(|i| self.flags[i.0 as usize]).count() as u64
+    }
+}
+
+/// A moment of a recovery.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Moment {
+    /// Work since the edit.
+    pub work: Work,
+    /// Seconds since the edit.
+    pub seconds: f64,
+    /// Relevant photons repaired.
+    pub repaired: u64,
+}
+
+/// A recovery from the edit to the drained state.
+pub struct Recovery {
+    /// Its moments, the edit first.
+    pub moments: Vec<Moment>,
+    /// The drained solution.
+    pub solution: Solution,
+}
+
+impl Recovery {
+    /// The first moment at which `share` (0 to 1) of the relevant photons was repaired.
+    pub fn reached(&self, share: f64, relevant: u64) -> Moment {
+        let wanted = (share * relevant as f64).ceil() as u64;
+        self.moments[self.moments.partition_point(|m| m.repaired < wanted).min(self.moments.len() - 1)]
+    }
+}
+
+/// Photons between two moments of orders without groups.
+const BLOCK: usize = 2048;
+
+/// Repairs a drained solution after an edit to `after`, in the given order. `progress` may end it by returning `false`: `None`.
+pub fn recover(
+    drained: &Solution,
+    after: &Arc<World>,
+    order: Order,
+    relevant: &Relevant,
+    first_hits: FirstHits,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Option<Recovery> {
+    let mut recording = Recording { start: Instant::now(), moments: vec![Moment::default()], last: Moment::default() };
+    let pool = *drained.pool();
+    let total = pool.photons() as f64;
+    let solution = match order {
+        Order::Restart => {
+            let mut shot = 0;
+            let flags = &relevant.flags;
+            let mut interrupted = false;
+            let solution = Solution::shoot(pool, after.clone(), first_hits, &mut |photons, rays| {
+                let new = flags[shot as usize..photons as usize].iter().filter(|f| **f).count() as u64;
+                recording.add(Work { photons: photons - shot, rays }, new);
+                shot = photons;
+                interrupted = !progress(photons as f64 / total);
+                !interrupted
+            })?;
+            if interrupted {
+                return None;
+            }
+            solution
+        }
+        Order::Stateless => {
+            let mut solution = drained.clone();
+            recording.start = Instant::now();
+            solution.change(after.clone());
+            while let Some(repaired) = solution.repair_next() {
+                recording.add(repaired.work, relevant.among(pool.photons_of(repaired.group)));
+                if !progress(recording.last.work.photons as f64 / total) {
+                    return None;
+                }
+            }
+            solution
+        }
+        Order::Random | Order::Oracle => {
+            let mut photons: Vec<PhotonIndex> = (0..pool.photons()).map(PhotonIndex).collect();
+            if order == Order::Oracle {
+                photons.retain(|i| relevant.flags[i.0 as usize]);
+            } else {
+                shuffle(&mut photons);
+            }
+            let mut solution = drained.clone();
+            let before = drained.world();
+            recording.start = Instant::now();
+            solution.change(after.clone());
+            let blocks = if order == Order::Oracle { BLOCK / 8 } else { BLOCK };
+            for block in photons.chunks(blocks) {
+                let work = solution.repair_photons(before, block);
+                recording.add(work, relevant.among(block.iter().copied()));
+                if !progress(recording.last.work.photons as f64 / photons.len() as f64) {
+                    return None;
+                }
+            }
+            solution.settle_all();
+            solution
+        }
+    };
+    Some(Recovery { moments: recording.moments, solution })
+}
+
+struct Recording {
+    start: Instant,
+    moments: Vec<Moment>,
+    last: Moment,
+}
+
+impl Recording {
+    fn add(&mut self, work: Work, repaired: u64) {
+        self.last.work.photons += work.photons;
+        self.last.work.rays += work.rays;
+        self.last.repaired += repaired;
+        self.last.seconds = self.start.elapsed().as_secs_f64();
+        self.moments.push(self.last);
+    }
+}
+
+/// Fisher–Yates with a fixed seed.
+fn shuffle(photons: &mut [PhotonIndex]) {
+    let mut state = 0x5eed;
+    for i in (1..photons.len()).rev() {
+        state = mix(state);
+        photons.swap(i, (state % (i as u64 + 1)) as usize);
+    }
+}

@@ -1,0 +1,316 @@
+//! A pool of photons shot at a configuration, and its repair after edits: the seed's Algorithm 1.
+//!
+//! Dmitriev et al. 2002, §5.2. All photons of one group were shot at one frozen world. When the configuration changes, the groups
+//! whose world differs are stale: their phantoms are the objects that stood elsewhere then, at most one per object, derived from
+//! that world. The stale group of highest priority is traced in both worlds; photons whose paths part are taken back in the old
+//! world and added in the new one. Pilots that meet what changed raise the priority of the group they resemble. In the end every
+//! group has been shot, and every bucket equals that of a fresh solution to the bit.
+
+use crate::{
+    bucket::Buckets,
+    halton::Sequence,
+    path::{FirstHits, Outcome, Rules, Tally, Touched, trace, trace_both},
+    pool::{GroupId, PhotonIndex, Pool},
+    world::{Difference, World},
+};
+use rayon::prelude::*;
+use std::{ops::Range, sync::Arc};
+
+/// Photons that one task traces in a row.
+const TASK: u64 = 512;
+
+/// Work done: what a fair comparison counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Photons traced (one that is re-shot counts once).
+    pub photons: u64,
+    /// Rays through the trees.
+    pub rays: u64,
+}
+
+/// What `Solution` keeps of a world that groups were shot at.
+#[derive(Clone)]
+struct Past {
+    world: Arc<World>,
+    /// From it to the current world.
+    changed: Difference,
+    groups: usize,
+}
+
+/// A pool of photons and the light that they brought.
+#[derive(Clone)]
+pub struct Solution {
+    pool: Pool,
+    rules: Arc<Rules>,
+    buckets: Buckets,
+    tallies: Vec<Tally>,
+    world: Arc<World>,
+    pasts: Vec<Past>,
+    /// Per group, an index into `pasts`.
+    past_of: Vec<u32>,
+    priority: Vec<u32>,
+}
+
+/// A group that was brought up to date.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Repaired {
+    /// Which.
+    pub group: GroupId,
+    /// What it cost.
+    pub work: Work,
+}
+
+impl Solution {
+    /// Shoots a whole pool. `progress` hears of the photons shot so far and of the rays of the last slab, and may end the work by
+    /// returning `false`; what was shot until then is then the whole pool, smaller. `None` if that is less than the groups need.
+    pub fn shoot(pool: Pool, world: Arc<World>, first_hits: FirstHits, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
+        let rules = Arc::new(Rules::new(world.scene(), Sequence::new(pool.scrambling), first_hits));
+        let mut shooting = Shooting::new(rules.clone(), world.clone());
+        while shooting.photons() < pool.photons() {
+            let left = pool.photons() - shooting.photons();
+            let rays = shooting.work.rays;
+            shooting.shoot(left.min(Shooting::SLAB));
+            if !progress(shooting.photons(), shooting.work.rays - rays) {
+                break;
+            }
+        }
+        let pool = pool.shrunk(shooting.photons())?;
+        let groups = pool.groups() as usize;
+        let past = Past { world: world.clone(), changed: Difference::default(), groups };
+        Some(Solution {
+            pool,
+            rules,
+            buckets: shooting.buckets,
+            tallies: shooting.tallies,
+            world,
+            pasts: vec![past],
+            past_of: vec![0; groups],
+            priority: vec![0; groups],
+        })
+    }
+
+    /// The pool.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
+    }
+
+    /// How photons become paths.
+    pub fn rules(&self) -> &Arc<Rules> {
+        &self.rules
+    }
+
+    /// The light.
+    pub fn buckets(&self) -> &Buckets {
+        &self.buckets
+    }
+
+    /// How paths ended, per lamp.
+    pub fn tallies(&self) -> &[Tally] {
+        &self.tallies
+    }
+
+    /// The world that stale groups are brought to.
+    pub fn world(&self) -> &Arc<World> {
+        &self.world
+    }
+
+    /// From now on, stale groups are brought to this world. Nothing is traced yet.
+    pub fn change(&mut self, world: Arc<World>) {
+        self.world = world;
+        self.forget_unused_pasts();
+        for past in &mut self.pasts {
+            past.changed = past.world.difference(&self.world);
+        }
+    }
+
+    /// Drops worlds that no group was shot at any more.
+    fn forget_unused_pasts(&mut self) {
+        let mut number = 0;
+        let numbers: Vec<u32> = self
+            .pasts
+            .iter()
+            .map(|past| {
+                let own = number;
+                number += u32::from(past.groups > 0);
+                own
+            })
+            .collect();
+        for past in &mut self.past_of {
+            *past = numbers[*past as usize];
+        }
+        self.pasts.retain(|past| past.groups > 0);
+    }
+
+    fn is_stale(&self, group: usize) -> bool {
+        !self.pasts[self.past_of[group] as usize].changed.is_empty()
+    }
+
+    /// Groups that hold phantoms.
+    pub fn stale_groups(&self) -> usize {
+        self.pasts.iter().filter(|past| !past.changed.is_empty()).map(|past| past.groups).sum()
+    }
+
+    /// The stale group of highest priority; among equals the first.
+    fn most_urgent(&self) -> Option<GroupId> {
+        let stale = (0..self.past_of.len()).filter(|g| self.is_stale(*g));
+        let best = stale.fold(None, |best: Option<usize>, g| match best {
+            Some(b) if self.priority[b] >= self.priority[g] => best,
+            _ => Some(g),
+        });
+        best.map(|g| GroupId(g as u32))
+    }
+
+    /// Brings the most urgent stale group up to date. `None` if none is stale. Which group comes next depends on state alone.
+    pub fn repair_next(&mut self) -> Option<Repaired> {
+        let group = self.most_urgent()?;
+        let past = self.pasts[self.past_of[group.0 as usize] as usize].clone();
+        let photons: Vec<PhotonIndex> = self.pool.photons_of(group).collect();
+        let (work, touched) = self.reshoot(&past.world, &past.changed, &photons);
+        for (photon, touched) in touched {
+            if self.pool.is_pilot(photon) {
+                self.raise(self.pool.resembled(photon), touched, &past.world);
+            }
+        }
+        self.settle(group);
+        Some(Repaired { group, work })
+    }
+
+    /// A pilot that resembles the photons of `group` met something that changed: Δp = 1 if that group is stale on its account.
+    fn raise(&mut self, group: GroupId, touched: Touched, shot_at: &World) {
+        let past = &self.pasts[self.past_of[group.0 as usize] as usize];
+        let concerns = match touched {
+            Touched::Nothing => false,
+            Touched::Object(id) => past.changed.objects.contains(&id),
+            // Only if that group holds the very same phantom.
+            Touched::Phantom(id) => past.changed.objects.contains(&id) && past.world.same_place(shot_at, id),
+            Touched::Lamp(id) => past.changed.lamps.contains(&id),
+        };
+        if concerns {
+            self.priority[group.0 as usize] += 1;
+        }
+    }
+
+    /// `group` is up to date.
+    fn settle(&mut self, group: GroupId) {
+        let group = group.0 as usize;
+        self.pasts[self.past_of[group] as usize].groups -= 1;
+        let current = self.pasts.iter().position(|past| Arc::ptr_eq(&past.world, &self.world)).unwrap_or_else(|| {
+            self.pasts.push(Past { world: self.world.clone(), changed: Difference::default(), groups: 0 });
+            self.pasts.len() - 1
+        });
+        self.pasts[current].groups += 1;
+        self.past_of[group] = current as u32;
+        self.priority[group] = 0;
+    }
+
+    /// Re-shoots photons from `before` to the current world; returns those that touched what changed.
+    fn reshoot(&mut self, before: &World, changed: &Difference, photons: &[PhotonIndex]) -> (Work, Vec<(PhotonIndex, Touched)>) {
+        let lamps = self.tallies.len();
+        if lamps == 0 {
+            return (Work::default(), Vec::new());
+        }
+        let tasks: Vec<_> = photons
+            .par_chunks(TASK as usize)
+            .map(|photons| {
+                let (mut old, mut new) = (Outcome::new(lamps, true), Outcome::new(lamps, false));
+                let mut met = Vec::new();
+                for index in photons {
+                    let touched = trace_both(&self.rules, [before, &self.world], changed, *index, &mut old, &mut new);
+                    if touched != Touched::Nothing {
+                        met.push((*index, touched));
+                    }
+                }
+                (old, new, met)
+            })
+            .collect();
+        let mut work = Work { photons: photons.len() as u64, rays: 0 };
+        let mut met = Vec::new();
+        for (old, new, touched) in tasks {
+            for outcome in [old, new] {
+                self.buckets.add(&outcome.deposits);
+                self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
+                work.rays += outcome.rays;
+            }
+            met.extend(touched);
+        }
+        (work, met)
+    }
+
+    /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must be up to date with one earlier world,
+    /// and after the last call [`settle_all`](Self::settle_all) says that every relevant photon was among them.
+    pub fn repair_photons(&mut self, before: &World, photons: &[PhotonIndex]) -> Work {
+        let changed = before.difference(&self.world);
+        self.reshoot(before, &changed, photons).0
+    }
+
+    /// Declares all groups up to date.
+    pub fn settle_all(&mut self) {
+        for group in 0..self.pool.groups() {
+            self.settle(GroupId(group));
+        }
+    }
+}
+
+/// Photons of one residue class in a row: they leave a lamp in nearly the same direction and visit the same nodes of the trees.
+const CLASSES: u64 = 288;
+
+/// A pool while it is shot for the first time: any prefix of it is a valid estimate.
+pub struct Shooting {
+    rules: Arc<Rules>,
+    world: Arc<World>,
+    buckets: Buckets,
+    tallies: Vec<Tally>,
+    /// Work so far.
+    pub work: Work,
+}
+
+impl Shooting {
+    /// Nothing shot yet.
+    pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
+        let buckets = Buckets::new(world.scene());
+        let tallies = vec![Tally::default(); world.scene().lamps.len()];
+        Shooting { rules, world, buckets, tallies, work: Work::default() }
+    }
+
+    /// Photons shot so far; their indices are the first ones.
+    pub fn photons(&self) -> u64 {
+        self.work.photons
+    }
+
+    /// How many photons to shoot between two looks at the clock.
+    pub const SLAB: u64 = CLASSES * 256;
+
+    /// The light so far.
+    pub fn buckets(&self) -> &Buckets {
+        &self.buckets
+    }
+
+    /// Shoots the next `count` photons.
+    pub fn shoot(&mut self, count: u64) {
+        let first = self.work.photons;
+        let indices = first..first + count;
+        if self.tallies.is_empty() {
+            self.work.photons += count;
+            return;
+        }
+        let outcomes: Vec<Outcome> = (0..CLASSES)
+            .into_par_iter()
+            .map(|class| self.trace_class(indices.clone(), class))
+            .collect();
+        for outcome in outcomes {
+            self.buckets.add(&outcome.deposits);
+            self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
+            self.work.rays += outcome.rays;
+        }
+        self.work.photons += count;
+    }
+
+    fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
+        let mut outcome = Outcome::new(self.tallies.len(), false);
+        let first = indices.start + (class + CLASSES - indices.start % CLASSES) % CLASSES;
+        for index in (first..indices.end).step_by(CLASSES as usize) {
+            trace(&self.rules, &self.world, PhotonIndex(index), &mut outcome);
+        }
+        outcome
+    }
+}

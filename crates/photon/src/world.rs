@@ -1,0 +1,192 @@
+//! A configuration as rays see it: bodies with trees, and lamps with frames. Immutable; a move replaces one body.
+
+use crate::{
+    body::{Body, Reach, TreePreset, inverse},
+    sampling::uniform_sphere,
+    triangle::{Hit, Ray, Triangle},
+};
+use glam::{DMat3, DVec3, Vec3};
+use lightmend_scene::{Configuration, Motion, Scene, lamp_rotation};
+use std::sync::Arc;
+
+/// A dynamic object where it stands.
+pub struct Placed {
+    motion: Motion,
+    body: Body,
+}
+
+/// A lamp where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedLamp {
+    /// Metres.
+    pub position: DVec3,
+    /// From lamp axes to the world.
+    pub rotation: DMat3,
+}
+
+/// A configuration, ready to trace.
+#[derive(Clone)]
+pub struct World {
+    configuration: Configuration,
+    fixed: Arc<Body>,
+    /// Per object; `None` if it is part of `fixed`.
+    dynamic: Vec<Option<Arc<Placed>>>,
+    /// The indices of the dynamic objects.
+    order: Arc<[usize]>,
+    lamps: Vec<PlacedLamp>,
+    reach: Reach,
+    preset: TreePreset,
+}
+
+/// What differs between two worlds.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Difference {
+    /// Objects that stand elsewhere, in order.
+    pub objects: Vec<usize>,
+    /// Lamps that stand elsewhere, in order.
+    pub lamps: Vec<usize>,
+}
+
+impl Difference {
+    /// Whether nothing differs.
+    pub fn is_empty(&self) -> bool {
+        self.objects.is_empty() && self.lamps.is_empty()
+    }
+}
+
+fn placed_triangles(scene: &Scene, id: usize, motion: &Motion) -> Vec<Triangle> {
+    let mesh = &scene.objects[id].mesh;
+    let corners: Vec<Vec3> = mesh.positions.iter().map(|p| motion.point(*p).as_vec3()).collect();
+    let triangles = mesh.triangles.iter().enumerate();
+    triangles
+        .map(|(t, indices)| Triangle { corners: indices.map(|i| corners[i as usize]), id: (id as u64) << 32 | t as u64 })
+        .collect()
+}
+
+fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
+    let motion = configuration.lamp_motion(id);
+    PlacedLamp { position: motion.translation, rotation: lamp_rotation(configuration.scene().up, &motion) }
+}
+
+impl World {
+    /// Builds all trees. `preset` is for what stands still; what moves is built [`TreePreset::Fast`].
+    pub fn new(configuration: &Configuration, preset: TreePreset) -> World {
+        let scene = configuration.scene();
+        let motions = configuration.object_motions();
+        let initial = Configuration::initial(scene).object_motions();
+        // From the file's poses, not the current ones: a path must not depend on where a moved object has been.
+        let largest = scene.objects.iter().zip(&initial).flat_map(|(object, motion)| {
+            object.mesh.positions.iter().map(|p| motion.point(*p).abs().max_element() as f32)
+        });
+        let reach = Reach::new(largest.fold(0.0, f32::max));
+        let fixed: Vec<Triangle> = (0..scene.objects.len())
+            .filter(|id| !scene.objects[*id].dynamic)
+            .flat_map(|id| placed_triangles(scene, id, &motions[id]))
+            .collect();
+        let order: Arc<[usize]> = (0..scene.objects.len()).filter(|id| scene.objects[*id].dynamic).collect();
+        let mut world = World {
+            configuration: configuration.clone(),
+            fixed: Arc::new(Body::new(fixed, reach, preset)),
+            dynamic: vec![None; scene.objects.len()],
+            order: order.clone(),
+            lamps: (0..scene.lamps.len()).map(|id| place_lamp(configuration, id)).collect(),
+            reach,
+            preset: if preset == TreePreset::Medium { TreePreset::Fast } else { TreePreset::Medium },
+        };
+        for id in order.iter() {
+            world.dynamic[*id] = Some(world.place(*id, motions[*id]));
+        }
+        world
+    }
+
+    fn place(&self, id: usize, motion: Motion) -> Arc<Placed> {
+        let triangles = placed_triangles(self.configuration.scene(), id, &motion);
+        Arc::new(Placed { motion, body: Body::new(triangles, self.reach, self.preset) })
+    }
+
+    /// The world of another configuration of the same scene; only what moved is built anew.
+    pub fn moved_to(&self, configuration: &Configuration) -> World {
+        let mut world = World { configuration: configuration.clone(), ..self.clone() };
+        for id in self.order.iter() {
+            let motion = configuration.object_motion(*id);
+            if self.dynamic[*id].as_ref().is_none_or(|placed| placed.motion != motion) {
+                world.dynamic[*id] = Some(self.place(*id, motion));
+            }
+        }
+        world.lamps = (0..self.lamps.len()).map(|id| place_lamp(configuration, id)).collect();
+        world
+    }
+
+    /// What stands elsewhere in `other`.
+    pub fn difference(&self, other: &World) -> Difference {
+        let motion = |world: &World, id: usize| world.dynamic[id].as_ref().map(|placed| placed.motion);
+        Difference {
+            objects: self.order.iter().copied().filter(|id| motion(self, *id) != motion(other, *id)).collect(),
+            lamps: (0..self.lamps.len()).filter(|id| self.lamps[*id] != other.lamps[*id]).collect(),
+        }
+    }
+
+    /// Whether object `id` stands in `other` where it stands here.
+    pub fn same_place(&self, other: &World, id: usize) -> bool {
+        let motion = |world: &World| world.dynamic[id].as_ref().map(|placed| placed.motion);
+        motion(self) == motion(other)
+    }
+
+    /// The configuration that this is.
+    pub fn configuration(&self) -> &Configuration {
+        &self.configuration
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        self.configuration.scene()
+    }
+
+    /// The lamps where they stand.
+    pub fn lamps(&self) -> &[PlacedLamp] {
+        &self.lamps
+    }
+
+    /// How far the scene reaches.
+    pub fn reach(&self) -> Reach {
+        self.reach
+    }
+
+    /// The first surface that a ray meets. One traversal: movables first, each behind its box, then what is fixed.
+    pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
+        let inverse = inverse(ray.direction);
+        let mut best = None;
+        for id in self.order.iter() {
+            if let Some(placed) = &self.dynamic[*id] {
+                best = placed.body.nearest_if_near(ray, inverse, best);
+            }
+        }
+        self.fixed.nearest(ray, best)
+    }
+
+    /// The nearest of `best` and the objects `ids` where they stand in this world.
+    pub fn nearest_of<'t>(&'t self, ids: &[usize], ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
+        let inverse = inverse(ray.direction);
+        for id in ids {
+            if let Some(placed) = &self.dynamic[*id] {
+                best = placed.body.nearest_if_near(ray, inverse, best);
+            }
+        }
+        best
+    }
+
+    /// Whether nothing stands between a point just above a surface and a lamp.
+    pub fn sees(&self, from: Vec3, lamp: usize) -> bool {
+        let ray = Ray::new(from, self.lamps[lamp].position.as_vec3() - from, None, 0.0);
+        self.nearest(&ray).is_none_or(|hit| hit.distance >= 1.0 - 1e-5)
+    }
+
+    /// The direction in which a photon leaves lamp `id`, unit.
+    pub fn emission(&self, id: usize, u: f64, v: f64) -> Vec3 {
+        let local = match &self.scene().lamps[id].photometry {
+            None => uniform_sphere(u, v),
+            Some(photometry) => photometry.sample(u, v),
+        };
+        (self.lamps[id].rotation * local).as_vec3()
+    }
+}

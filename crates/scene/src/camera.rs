@@ -1,0 +1,31 @@
+//! Cameras.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// Where it stands, metres.
+    pub eye: DVec3,
+    /// What it looks at, metres.
+    pub target: DVec3,
+    /// Vertical angle of view, degrees.
+    pub fov: f64,
+}
+
+impl View {
+    /// What makes it unusable, if anything.
+    pub fn fault(&self) -> Option<&'static str> {
+        if !self.eye.is_finite() || !self.target.is_finite() {
+            Some("its eye or target is not a number")
+        } else if self.eye == self.target {
+            Some("its eye and target are the same point")
+        } else if !(self.fov > 0.0 && self.fov < 180.0) {
+            Some("fov must be between 0 and 180 degrees")
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Scene files as they are typed: RON, before anything is checked against anything else.
+
+use crate::{Direct, SceneError, View};
+use glam::DVec3;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::{collections::BTreeMap, io::Write, path::Path};
+
+/// Which axis points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// +y.
+    Y,
+    /// +z.
+    Z,
+}
+
+/// A scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// The scene's name.
+    pub name: String,
+    /// Its up axis.
+    pub up: Up,
+    /// Longest edge of a mesh element, metres.
+    pub cell: f64,
+    /// Materials by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, MaterialEntry>,
+    /// Objects.
+    pub objects: Vec<ObjectEntry>,
+    /// Lamps.
+    #[serde(default)]
+    pub lamps: Vec<LampEntry>,
+    /// Cameras.
+    #[serde(default)]
+    pub cameras: Vec<CameraEntry>,
+}
+
+/// A material of a scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialEntry {
+    /// Linear Rec. 709, 0 to 1.
+    pub reflectance: DVec3,
+    /// An image that multiplies it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texture: Option<String>,
+}
+
+/// An object of a scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectEntry {
+    /// Unique name.
+    pub name: String,
+    /// OBJ file.
+    pub mesh: String,
+    /// One part of that file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// Metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub position: DVec3,
+    /// Degrees about x, y, z.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rotation: DVec3,
+    /// The object that carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Whether edits may move it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub movable: bool,
+    /// One material for all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    /// Cameras look through it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub hidden_from_camera: bool,
+}
+
+/// A lamp of a scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LampEntry {
+    /// Unique name.
+    pub name: String,
+    /// Metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub position: DVec3,
+    /// Degrees about x, y, z.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rotation: DVec3,
+    /// The object that carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Candela, or the factor of the photometric file's.
+    pub intensity: DVec3,
+    /// LM-63 file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub photometry: Option<String>,
+    /// Who draws its direct light.
+    #[serde(default)]
+    pub direct: Direct,
+}
+
+/// A camera of a scene file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraEntry {
+    /// Unique name.
+    pub name: String,
+    /// Metres.
+    pub eye: DVec3,
+    /// Metres.
+    pub target: DVec3,
+    /// Vertical, degrees.
+    pub fov: f64,
+}
+
+impl CameraEntry {
+    /// The camera without its name.
+    pub fn view(&self) -> View {
+        View { eye: self.eye, target: self.target, fov: self.fov }
+    }
+}
+
+fn is_zero(v: &DVec3) -> bool {
+    *v == DVec3::ZERO
+}
+
+fn is_false(b: &bool) -> bool {
+    !b
+}
+
+fn ron_options() -> ron::Options {
+    ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+}
+
+/// Reads a RON file; a mistake is reported with line and column.
+pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, SceneError> {
+    let bytes = std::fs::read(path).map_err(|e| SceneError::read(path, e))?;
+    let text = String::from_utf8(bytes).map_err(|_| SceneError::content(path, "not a text file in UTF-8"))?;
+    ron_options().from_str(&text).map_err(|e| {
+        let place = format!("{}:{}", e.span.start.line, e.span.start.col);
+        SceneError::line(path, place, e.code.to_string().replace('\n', " "))
+    })
+}
+
+/// Writes a RON file beside its place and renames it there, so that nothing is ever half-written.
+pub fn write_ron<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError> {
+    let pretty = ron::ser::PrettyConfig::new().depth_limit(3).extensions(ron::extensions::Extensions::IMPLICIT_SOME);
+    // IMPLICIT_SOME is this format's default: the header that would say so is left out.
+    let text = ron_options().to_string_pretty(value, pretty).map_err(|e| SceneError::content(path, e))?;
+    let text = text.strip_prefix("#![enable(implicit_some)]").unwrap_or(&text).trim_start();
+    write_atomically(path, |out| writeln!(out, "{text}"))
+}
+
+/// Writes a file beside its place, then renames it.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> std::io::Result<()>,
+) -> Result<(), SceneError> {
+    let fault = |e: std::io::Error| SceneError::content(path, format!("cannot be written: {e}"));
+    let name = path.file_name().ok_or_else(|| SceneError::content(path, "is not a file name"))?;
+    let beside = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
+    let result = (|| {
+        let mut out = std::io::BufWriter::new(std::fs::File::create(&beside)?);
+        write(&mut out)?;
+        out.flush()?;
+        out.get_ref().sync_all()?;
+        std::fs::rename(&beside, path)
+    })();
+    if result.is_err() {
+        // The failed part is of no use; if it cannot be removed either, the first error says more.
+        let _ = std::fs::remove_file(&beside);
+    }
+    result.map_err(fault)
+}
+
+impl SceneFile {
+    /// Rewrites the paths of a file that stood in folder `from` for one that will stand in folder `to`.
+    pub fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
+        let absolute = |folder: &Path| {
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            folder.canonicalize().map_err(|e| SceneError::read(folder, e))
+        };
+        let (from, to) = (absolute(from)?, absolute(to)?);
+        if from == to {
+            return Ok(());
+        }
+        let textures = self.materials.values_mut().filter_map(|m| m.texture.as_mut());
+        let meshes = self.objects.iter_mut().map(|o| &mut o.mesh);
+        let photometry = self.lamps.iter_mut().filter_map(|l| l.photometry.as_mut());
+        for path in textures.chain(meshes).chain(photometry) {
+            *path = relative(&from.join(&*path), &to);
+        }
+        Ok(())
+    }
+}
+
+/// `path` as seen from folder `base`; both absolute.
+fn relative(path: &Path, base: &Path) -> String {
+    let common = path.components().zip(base.components()).take_while(|(a, b)| a == b).count();
+    let up = base.components().skip(common).map(|_| "..".to_owned());
+    let down = path.components().skip(common).map(|c| c.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}

@@ -1,0 +1,42 @@
+//! What is there: objects, mesh elements, materials, lamps, moves. No light, no GPU.
+//!
+//! A scene file ([`format`]) becomes a [`Scene`]: meshes read ([`obj`]) and cut into cells ([`Lattice`]), materials and
+//! lamps ([`Photometry`]) resolved, all in order of names. What edits can change is a [`Configuration`]: immutable, cheap to
+//! clone, and made anew by every [`Edit`]. A script of edits is a [`Moves`] file.
+//!
+//! ```no_run
+//! use lightmend_scene::{Configuration, Edit, Scene};
+//! let (scene, warnings) = Scene::read("scenes/room/room.ron".as_ref())?;
+//! let before = Configuration::initial(&scene);
+//! let after = before.apply(&Edit::Move { object: "table".into(), to: glam::DVec3::new(2.6, 1.0, 0.0) })?;
+//! assert_ne!(before, after);
+//! # Ok::<(), lightmend_scene::SceneError>(())
+//! ```
+
+mod camera;
+mod configuration;
+mod error;
+pub mod format;
+mod lamp;
+mod lattice;
+mod material;
+mod mesh;
+mod moves;
+pub mod obj;
+mod photometry;
+mod pose;
+mod scene;
+pub mod trig;
+
+pub use camera::View;
+pub use configuration::{Configuration, Edit};
+pub use error::{SceneError, Warning};
+pub use format::Up;
+pub use lamp::{Direct, Lamp, lamp_rotation, luminance};
+pub use lattice::Lattice;
+pub use material::{Material, Texture, srgb_to_linear};
+pub use mesh::Mesh;
+pub use moves::{CameraKey, Moves, ScriptedEdit, TimedEdit};
+pub use photometry::{Photometry, Symmetry};
+pub use pose::{Motion, Pose};
+pub use scene::{Object, Scene, unknown};

@@ -1,0 +1,54 @@
+//! The scenes that Lightmend ships with, as a program: nothing in them was drawn by hand or taken from elsewhere.
+//!
+//! `shapes` makes closed `solid`s, `furniture` and `shell` join them to `mesh`es (OBJ), `room` and `cornell` place those in a `scene`
+//! (RON) under lamps with `photometry` (LM-63) and write its moves. [`files`] returns everything as bytes; the program only writes
+//! it. The same source writes the same bytes everywhere: sorted, at most five decimals.
+
+pub mod cornell;
+pub mod furniture;
+pub mod mesh;
+pub mod photometry;
+pub mod room;
+pub mod scene;
+pub mod shapes;
+pub mod shell;
+pub mod solid;
+pub mod texture;
+
+/// A file to write.
+pub struct File {
+    /// Relative to the folder of all scenes, with `/`.
+    pub path: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+impl File {
+    /// A file of text.
+    pub fn text(path: &str, text: String) -> Self {
+        File { path: path.to_string(), bytes: text.into_bytes() }
+    }
+}
+
+/// All files of all scenes.
+///
+/// # Errors
+/// When the encoder of the rug's picture fails.
+pub fn files() -> Result<Vec<File>, image::ImageError> {
+    let mut files = Vec::new();
+    for scene in [cornell::scene(), room::scene()] {
+        let folder = scene.name;
+        files.push(File::text(&format!("{folder}/{folder}.ron"), scene.ron()));
+        for mesh in &scene.meshes.1 {
+            files.push(File::text(&format!("{folder}/{}{}.obj", scene.meshes.0, mesh.name), mesh.obj()));
+        }
+    }
+    files.extend(cornell::scripts());
+    files.extend(room::moves::scripts());
+    for diagram in photometry::diagrams() {
+        files.push(File::text(&format!("room/ies/{}.ies", diagram.name), diagram.ies()));
+    }
+    files.push(File { path: "room/textures/rug.png".to_string(), bytes: texture::rug()? });
+    files.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(files)
+}
