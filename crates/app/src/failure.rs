@@ -16,6 +16,19 @@ impl Failure {
         Failure { status: 2, line: line.to_string() }
     }
 
+    /// Arguments that clap refuses, its paragraph in one line. Help and the version are no failure: they are printed, and the
+    /// program ends.
+    pub fn arguments(error: clap::Error) -> Failure {
+        use clap::error::ErrorKind;
+        if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+            error.exit();
+        }
+        let text = error.to_string();
+        let told = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:") && !l.starts_with("For more information"));
+        let line = told.filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ").replace(" tip:", "; tip:");
+        Failure::input(format!("{}; see --help", line.trim_start_matches("error: ")))
+    }
+
     /// Anything else: status 1.
     pub fn failed(line: impl fmt::Display) -> Failure {
         Failure { status: 1, line: line.to_string() }

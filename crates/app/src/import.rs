@@ -5,12 +5,12 @@
 use crate::{Common, failure::Failure, output::{self, say}};
 use glam::DVec3;
 use lightmend_scene::{
-    Direct, Mesh, Up,
+    Direct, FARTHEST, Mesh, SceneError, Up,
     format::{CameraEntry, LampEntry, MaterialEntry, ObjectEntry, SceneFile, write_ron},
     obj::{MtlMaterial, Strictness, read_obj, write_obj},
-    unknown,
+    unknown, within_reach,
 };
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{collections::BTreeMap, io::Write, path::{Path, PathBuf}};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -21,7 +21,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SCENE")]
     out: PathBuf,
     /// Metres per unit of the models
-    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, allow_negative_numbers = true)]
     scale: f64,
     /// The models' up axis
     #[arg(long, value_name = "AXIS", default_value = "y")]
@@ -36,7 +36,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     movable: Vec<String>,
     /// Longest edge of a mesh element, metres; by default about 12,000 elements
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     cell: Option<f64>,
     #[command(flatten)]
     common: Common,
@@ -68,6 +68,8 @@ fn named_reflectance(text: &str) -> Result<(String, [f64; 3]), String> {
 struct Import {
     objects: Vec<(String, Mesh)>,
     materials: BTreeMap<String, MaterialEntry>,
+    /// Images by the name they will have beside the scene file.
+    textures: BTreeMap<String, Vec<u8>>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -81,14 +83,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.cell.is_some_and(|c| !(c.is_finite() && c > 0.0)) {
         return Err(Failure::input("--cell must be a positive length in metres"));
     }
+    let (mesh_path, folder) = (arguments.out.with_extension("obj"), arguments.out.parent().unwrap_or(Path::new("")));
     output::file(&arguments.out)?;
+    output::file(&mesh_path)?;
+    if mesh_path == arguments.out {
+        return Err(Failure::input(format!("{}: this is where the meshes go; let --out end in .ron", mesh_path.display())));
+    }
+    if arguments.models.iter().any(|m| m.canonicalize().is_ok_and(|m| mesh_path.canonicalize().is_ok_and(|p| p == m))) {
+        return Err(Failure::input(format!("{}: the meshes would overwrite this model; give --out another name", mesh_path.display())));
+    }
     let mut import = Import::default();
     for model in &arguments.models {
         import.model(model, arguments)?;
     }
+    if import.objects.iter().flat_map(|(_, m)| &m.positions).any(|p| !within_reach(*p)) {
+        let what = format!("--scale {}: the models then reach farther than {FARTHEST:e} m from the origin", arguments.scale);
+        return Err(Failure::input(what));
+    }
     let changed = import.reflectances(&arguments.reflectance)?;
     let file = import.scene_file(arguments, &changed)?;
-    let mesh_path = arguments.out.with_extension("obj");
+    for (name, image) in &import.textures {
+        let path = folder.join(name);
+        // What is there already is the same image.
+        if !path.exists() {
+            output::write(&path, |out| out.write_all(image))?;
+        }
+    }
     let meshes: Vec<(String, &Mesh)> = import.objects.iter().map(|(name, mesh)| (name.clone(), mesh)).collect();
     output::write(&mesh_path, |out| write_obj(out, &meshes))?;
     write_ron(&arguments.out, &file)?;
@@ -106,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Import {
-    fn model(&mut self, path: &std::path::Path, arguments: &Arguments) -> Result<(), Failure> {
+    fn model(&mut self, path: &Path, arguments: &Arguments) -> Result<(), Failure> {
         let (model, warnings) = read_obj(path, Strictness::Import)?;
         arguments.common.warn(&warnings);
         for material in &model.materials {
@@ -124,19 +144,32 @@ impl Import {
         Ok(())
     }
 
-    fn material(&mut self, path: &std::path::Path, material: &MtlMaterial, arguments: &Arguments) -> Result<(), Failure> {
+    fn material(&mut self, path: &Path, material: &MtlMaterial, arguments: &Arguments) -> Result<(), Failure> {
         if material.emission.iter().any(|e| *e > 0.0) && !arguments.common.quiet {
             let what = "it glows (Ke), but lamps are points: it becomes a plain surface; give --lamp x,y,z,cd for its light";
             eprintln!("warning: {}: material '{}': {what}", path.display(), material.name);
         }
-        let folder = arguments.out.parent().unwrap_or(std::path::Path::new(""));
-        let texture = material.texture.as_ref().map(|t| {
-            let name = t.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            std::fs::copy(t, folder.join(&name)).map(|_| name).map_err(|e| Failure::input(format!("{}: cannot be copied: {e}", t.display())))
-        });
-        let entry = MaterialEntry { reflectance: material.reflectance.into(), texture: texture.transpose()? };
-        self.materials.entry(material.name.clone()).or_insert(entry);
+        if !self.materials.contains_key(&material.name) {
+            let folder = arguments.out.parent().unwrap_or(Path::new(""));
+            let texture = material.texture.as_ref().map(|t| self.texture(t, folder)).transpose()?;
+            self.materials.insert(material.name.clone(), MaterialEntry { reflectance: material.reflectance.into(), texture });
+        }
         Ok(())
+    }
+
+    /// Keeps an image for `folder`, and returns a name that no other image has, neither here nor there already.
+    fn texture(&mut self, path: &Path, folder: &Path) -> Result<String, Failure> {
+        let image = std::fs::read(path).map_err(|e| SceneError::read(path, e))?;
+        let part = |p: Option<&std::ffi::OsStr>| p.unwrap_or_default().to_string_lossy().into_owned();
+        let (whole, stem, extension) = (part(path.file_name()), part(path.file_stem()), part(path.extension()));
+        let numbered = (2..).map(|k| format!("{stem} {k}.{extension}"));
+        let other = |name: &String| match self.textures.get(name) {
+            Some(known) => *known != image,
+            None => folder.join(name).exists() && std::fs::read(folder.join(name)).ok().as_ref() != Some(&image),
+        };
+        let name = std::iter::once(whole).chain(numbered).find(|n| !other(n)).unwrap_or_default();
+        self.textures.insert(name.clone(), image);
+        Ok(name)
     }
 
     /// `name`, or `name 2` and so on if another model has it already.

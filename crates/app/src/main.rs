@@ -93,13 +93,13 @@ impl Common {
 #[derive(Args, Clone, Copy)]
 struct PoolArguments {
     /// Photons in the pool. More: less noise (half for four times as many), longer work
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     photons: Option<u64>,
     /// Groups that the pool is split into (the seed's Ng), best a product of powers of 2, 3, 5, 7
-    #[arg(long, value_name = "N", default_value_t = 288)]
+    #[arg(long, value_name = "N", default_value_t = 288, value_parser = clap::value_parser!(u32).range(1..))]
     ng: u32,
     /// Photons per pilot photon (the seed's R)
-    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     r: u32,
     /// Seed of the sequence's digit permutations; 0 is the plain Halton sequence
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -114,18 +114,22 @@ impl PoolArguments {
         let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
         Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.ng, self.r, scrambling).map_err(|e| Failure::input(format!("--photons: {e}")))
     }
+
+    /// The smallest pool of these groups: one pilot in each. It can grow to any size, and any of its prefixes can be kept.
+    fn smallest(self) -> Result<Pool, Failure> {
+        PoolArguments { photons: Some(u64::from(self.ng) * u64::from(self.r)), ..self }.pool()
+    }
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let result = match arguments.command {
+    let result = Arguments::try_parse().map_err(Failure::arguments).and_then(|arguments| match arguments.command {
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Apply(arguments) => apply::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
-    };
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -1,7 +1,7 @@
 //! Where results go: a folder that is tried before the work begins, and files that are never half-written.
 
 use crate::failure::Failure;
-use lightmend_scene::format::write_atomically;
+use lightmend_scene::format::{is_stream, write_atomically};
 use serde::Serialize;
 use std::{
     fs,
@@ -9,29 +9,40 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder for results, made if need be. Fails before the work, not after it.
-pub fn folder(path: &Path) -> Result<PathBuf, Failure> {
+/// A folder for results, made if need be, that can take `files`. Fails before the work, not after it.
+pub fn folder(path: &Path, files: &[String]) -> Result<PathBuf, Failure> {
     let fault = |e: io::Error| Failure::input(format!("{}: results cannot be written there: {e}", path.display()));
     fs::create_dir_all(path).map_err(fault)?;
     let trial = path.join(format!(".lightmend.{}", std::process::id()));
     fs::write(&trial, b"").map_err(fault)?;
     fs::remove_file(&trial).map_err(fault)?;
+    for name in files {
+        refuse_folder(&path.join(name))?;
+    }
     Ok(path.to_owned())
 }
 
 /// A file for results: its folder must take files and it must not be a folder itself. Fails before the work, not after it.
 pub fn file(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        return Err(Failure::input(format!("{}: cannot be written: it is a folder", path.display())));
+    if is_stream(path) {
+        return Ok(());
     }
+    refuse_folder(path)?;
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !parent.is_dir() {
         return Err(Failure::input(format!("{}: cannot be written: there is no folder {}", path.display(), parent.display())));
     }
-    folder(parent).map(|_| ())
+    folder(parent, &[]).map(|_| ())
 }
 
-/// Writes a file beside its place and renames it.
+fn refuse_folder(path: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        return Err(Failure::input(format!("{}: cannot be written: it is a folder", path.display())));
+    }
+    Ok(())
+}
+
+/// Writes a file beside its place and renames it; a device or a pipe is written into.
 pub fn write(path: &Path, write: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>) -> Result<(), Failure> {
     Ok(write_atomically(path, write)?)
 }

@@ -90,10 +90,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = arguments.pool.pool()?;
     let scene = common.read_scene(&arguments.scene)?;
     let moves = Moves::read(&arguments.script, &scene)?;
-    let out = output::folder(&arguments.out)?;
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let mut orders = arguments.orders.clone();
-    orders.dedup();
+    let files = ["recovery.csv", "recovery.svg", "recovery.png", "summary.json"].map(String::from);
+    let out = output::folder(&arguments.out, &files)?;
+    let mut orders = Vec::new();
+    for order in &arguments.orders {
+        if !orders.contains(order) {
+            orders.push(*order);
+        }
+    }
 
     let mut configuration = Configuration::initial(&scene);
     let world = Arc::new(World::new(&configuration, TreePreset::default()));

@@ -13,7 +13,7 @@ pub struct Arguments {
     #[command(flatten)]
     pool: PoolArguments,
     /// Shoot for so many seconds instead of a number of photons
-    #[arg(long, value_name = "S", conflicts_with = "photons")]
+    #[arg(long, value_name = "S", conflicts_with = "photons", allow_negative_numbers = true)]
     seconds: Option<f64>,
     /// Write the integer buckets, one line per object, cell, side and lamp
     #[arg(long, value_name = "FILE")]
@@ -31,21 +31,18 @@ const BY_THE_CLOCK: u64 = lightmend_photon::halton::INDEX_LIMIT;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
-    let mut sized = arguments.pool;
-    if let Some(seconds) = arguments.seconds {
-        if !(seconds.is_finite() && seconds > 0.0) {
-            return Err(Failure::input(format!("--seconds {seconds}: must be positive")));
-        }
-        sized.photons = Some(BY_THE_CLOCK);
-    }
-    let mut pool = sized.pool()?;
-    if arguments.seconds.is_some() {
-        // The pilots are chosen for a default pool; the clock decides how many corrective photons follow.
-        pool = PoolArguments { photons: None, ..arguments.pool }.pool()?.grown(BY_THE_CLOCK);
-    }
+    let photons = match arguments.seconds {
+        None => arguments.pool.pool()?.photons(),
+        Some(seconds) if seconds.is_finite() && seconds > 0.0 => BY_THE_CLOCK,
+        Some(seconds) => return Err(Failure::input(format!("--seconds {seconds}: must be positive"))),
+    };
+    // Nothing is repaired here, so the fewest pilots do, and a run that ends early keeps what it shot.
+    let pool = arguments.pool.smallest()?.grown(photons);
     let scene = common.read_scene(&arguments.scene)?;
-    let out = arguments.out.as_deref().map(output::folder).transpose()?;
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
+    let pictures: Vec<String> = scene.cameras.iter().map(|(name, _)| format!("{}.png", name.replace(['/', ' '], "_"))).collect();
+    let files = [&["summary.json".to_owned()], &pictures[..]].concat();
+    let out = arguments.out.as_deref().map(|out| output::folder(out, &files)).transpose()?;
 
     let start = Instant::now();
     let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
@@ -91,8 +88,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(out) = out {
         let scale = Scale::new(&scene, solution.rules(), photons);
-        for (name, view) in &scene.cameras {
-            let path = out.join(format!("{}.png", name.replace(['/', ' '], "_")));
+        for (name, (_, view)) in pictures.iter().zip(&scene.cameras) {
+            let path = out.join(name);
             picture::write(&path, solution.world(), buckets, &scale, view)?;
             if common.talks() {
                 say(&format!("picture: {}", path.display()));

@@ -1,5 +1,6 @@
 //! Cameras.
 
+use crate::within_reach;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +19,8 @@ pub struct View {
 impl View {
     /// What makes it unusable, if anything.
     pub fn fault(&self) -> Option<&'static str> {
-        if !self.eye.is_finite() || !self.target.is_finite() {
-            Some("its eye or target is not a number")
+        if !within_reach(self.eye) || !within_reach(self.target) {
+            Some("its eye or target is not a number or is farther than 1e6 m from the origin")
         } else if self.eye == self.target {
             Some("its eye and target are the same point")
         } else if !(self.fov > 0.0 && self.fov < 180.0) {

@@ -1,6 +1,6 @@
 //! What can change: an immutable state of the scene, and the edits that lead from one to the next.
 
-use crate::{Motion, Pose, Scene, SceneError};
+use crate::{FARTHEST, Motion, Pose, Scene, SceneError, within_reach};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -64,8 +64,13 @@ impl Configuration {
         if !self.scene.objects[id].movable {
             return Err(SceneError::Edit(format!("object '{object}' is fixed; give it `movable: true` in the scene file")));
         }
-        if !to.is_finite() {
-            return Err(SceneError::Edit(format!("object '{object}' cannot go to {to}: not a number")));
+        let possible = match edit {
+            Edit::Move { .. } => within_reach(*to),
+            Edit::Turn { .. } => to.is_finite(),
+        };
+        if !possible {
+            let what = format!("object '{object}' cannot go to {to}: not a number, or farther than {FARTHEST:e} m from the origin");
+            return Err(SceneError::Edit(what));
         }
         let mut state = State::clone(&self.state);
         match edit {

@@ -157,6 +157,11 @@ pub fn write_ron<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError>
     write_atomically(path, |out| writeln!(out, "{text}"))
 }
 
+/// Whether a device or a pipe is at `path`: it is written into, never replaced.
+pub fn is_stream(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
+}
+
 /// Writes a file beside its place, then renames it.
 pub fn write_atomically(
     path: &Path,
@@ -164,6 +169,11 @@ pub fn write_atomically(
 ) -> Result<(), SceneError> {
     let fault = |e: std::io::Error| SceneError::content(path, format!("cannot be written: {e}"));
     let name = path.file_name().ok_or_else(|| SceneError::content(path, "is not a file name"))?;
+    if is_stream(path) {
+        let stream = std::fs::OpenOptions::new().write(true).open(path).map_err(fault)?;
+        let mut out = std::io::BufWriter::new(stream);
+        return write(&mut out).and_then(|()| out.flush()).map_err(fault);
+    }
     let beside = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
     let result = (|| {
         let mut out = std::io::BufWriter::new(std::fs::File::create(&beside)?);

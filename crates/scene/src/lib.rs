@@ -38,5 +38,5 @@ pub use material::{Material, Texture, srgb_to_linear};
 pub use mesh::Mesh;
 pub use moves::{CameraKey, Moves, ScriptedEdit, TimedEdit};
 pub use photometry::{Photometry, Symmetry};
-pub use pose::{Motion, Pose};
+pub use pose::{FARTHEST, Motion, Pose, within_reach};
 pub use scene::{Object, Scene, unknown};

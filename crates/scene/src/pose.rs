@@ -5,6 +5,15 @@
 use crate::trig::sin_cos_degrees;
 use glam::{DMat3, DVec3};
 
+/// How far from the origin anything may stand along each axis, metres. There the single-precision numbers of rays are 6 cm apart;
+/// somewhat farther out nothing is left of a room.
+pub const FARTHEST: f64 = 1e6;
+
+/// Whether a scene can have a point there: it is a number and within [`FARTHEST`].
+pub fn within_reach(p: DVec3) -> bool {
+    p.is_finite() && p.abs().max_element() <= FARTHEST
+}
+
 /// Position (metres) and rotation (degrees about x, then y, then z, fixed axes), relative to the carrier if there is one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {

@@ -1,10 +1,11 @@
 //! A scene, checked and complete: every name resolved, every mesh read, every triangle cut into cells.
 
 use crate::{
-    Lamp, Lattice, Material, Mesh, Photometry, Pose, SceneError, Texture, Up, View, Warning,
+    FARTHEST, Lamp, Lattice, Material, Mesh, Photometry, Pose, SceneError, Texture, Up, View, Warning,
     format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, read_ron},
     lamp::luminance,
     obj::{MtlMaterial, ObjFile, Strictness, read_obj},
+    within_reach,
 };
 use glam::DVec3;
 use std::{
@@ -116,6 +117,11 @@ impl Loader<'_> {
         SceneError::content(self.path, what)
     }
 
+    /// A file that cannot be read, with what names it in the scene file; faults inside of a file name that file alone.
+    fn named_by(&self, what: &str, error: SceneError) -> SceneError {
+        if matches!(error, SceneError::Read { .. }) { self.fault(format!("{what}: {error}")) } else { error }
+    }
+
     fn warn(&mut self, what: String) {
         let warning = Warning(format!("{}: {what}", self.path.display()));
         if !self.warnings.contains(&warning) {
@@ -183,8 +189,9 @@ impl Loader<'_> {
     }
 
     fn pose(&self, what: String, position: DVec3, rotation: DVec3) -> Result<Pose, SceneError> {
-        if !(position.is_finite() && rotation.is_finite()) {
-            return Err(self.fault(format!("{what}: its position or rotation is not a number")));
+        if !(within_reach(position) && rotation.is_finite()) {
+            let why = format!("is not a number, or farther than {FARTHEST:e} m from the origin");
+            return Err(self.fault(format!("{what}: its position {position} or rotation {rotation} {why}")));
         }
         Ok(Pose { position, rotation })
     }
@@ -194,7 +201,8 @@ impl Loader<'_> {
         if !(r.is_finite() && r.min_element() >= 0.0 && r.max_element() <= 1.0) {
             return Err(self.fault(format!("material '{name}': reflectance {r} must be within 0 to 1")));
         }
-        let texture = entry.texture.as_ref().map(|t| Texture::read(&self.folder.join(t)).map(Arc::new)).transpose()?;
+        let texture = entry.texture.as_ref().map(|t| Texture::read(&self.folder.join(t)).map(Arc::new)).transpose();
+        let texture = texture.map_err(|e| self.named_by(&format!("material '{name}'"), e))?;
         Ok(Material { name: name.to_owned(), reflectance: r.as_vec3(), texture })
     }
 
@@ -208,7 +216,7 @@ impl Loader<'_> {
         let what = format!("object '{}'", entry.name);
         let pose = self.pose(what.clone(), entry.position, entry.rotation)?;
         let carrier = self.carrier(&what, &entry.on, index)?;
-        let model = self.model(&self.folder.join(&entry.mesh))?;
+        let model = self.model(&self.folder.join(&entry.mesh)).map_err(|e| self.named_by(&what, e))?;
         let (mesh, lattice) = self.mesh(entry, &model, cell)?;
         let names = match &entry.material {
             Some(name) => {
@@ -295,6 +303,10 @@ impl Loader<'_> {
                 part.mesh.clone()
             }
         };
+        if !mesh.positions.iter().all(|p| within_reach(*p)) {
+            let what = format!("object '{}': {} has a vertex farther than {FARTHEST:e} m from the origin", entry.name, entry.mesh);
+            return Err(self.fault(format!("{what}; lengths are metres")));
+        }
         let lattice = Lattice::new(&mesh, cell).ok_or_else(|| {
             self.fault(format!("object '{}' would have more mesh elements than can be numbered; make `cell` larger", entry.name))
         })?;
@@ -333,7 +345,8 @@ impl Loader<'_> {
         let photometry = match &entry.photometry {
             None => None,
             Some(file) => {
-                let (photometry, warnings) = Photometry::read(&self.folder.join(file))?;
+                let read = Photometry::read(&self.folder.join(file));
+                let (photometry, warnings) = read.map_err(|e| self.named_by(&what, e))?;
                 for warning in warnings {
                     if !self.warnings.contains(&warning) {
                         self.warnings.push(warning);
@@ -343,6 +356,9 @@ impl Loader<'_> {
             }
         };
         let lamp = Lamp { name: entry.name.clone(), intensity: entry.intensity, photometry, direct: entry.direct, carrier, pose };
+        if !lamp.flux().is_finite() {
+            return Err(self.fault(format!("{what}: intensity {} is more than can be counted", entry.intensity)));
+        }
         if luminance(lamp.flux()) == 0.0 {
             self.warn(format!("{what} gives no light; its share of the photons is wasted"));
         }

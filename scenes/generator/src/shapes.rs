@@ -225,7 +225,7 @@ pub fn hollow(profile: &[(f64, f64)], n: usize) -> Solid {
 /// A ball of `radius` metres about the origin.
 pub fn ball(radius: f64) -> Solid {
     let ring = |degrees: f64| (radius * degrees.to_radians().cos(), radius * degrees.to_radians().sin());
-    let mut s = lathe(&[-52.0, -10.0, 32.0, 66.0].map(ring), 8);
+    let mut s = lathe(&[-48.0, 0.0, 48.0].map(ring), 8);
     // The poles of a lathe lie in the plane of its last ring; those of a ball do not.
     let n = s.points.len();
     s.points[n - 2].z = -radius;
@@ -283,6 +283,6 @@ mod tests {
     #[test]
     fn a_ball_has_nearly_the_volume_of_a_sphere() {
         let sphere = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!((ball(1.0).volume() / sphere - 0.82).abs() < 0.1);
+        assert!((ball(1.0).volume() / sphere - 0.77).abs() < 0.1);
     }
 }

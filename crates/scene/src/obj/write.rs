@@ -119,7 +119,7 @@ mod tests {
     prop_compose! {
         /// Any mesh without unused vertices, unused materials and flat triangles.
         fn mesh()(
-            points in prop::collection::vec([number(), number(), number()], 3..30),
+            points in prop::collection::vec([number(), number(), number()], 12..30),
             uvs in prop::option::of(prop::collection::vec([number(), number()], 90)),
             materials in prop::collection::vec(0..3_u16, 30),
         ) -> Mesh {
@@ -149,10 +149,13 @@ mod tests {
         }
     }
 
+    fn with_triangles() -> impl Strategy<Value = Mesh> {
+        mesh().prop_filter("no triangles", |mesh| !mesh.triangles.is_empty())
+    }
+
     proptest! {
         #[test]
-        fn reads_back_bit_for_bit(first in mesh(), second in mesh()) {
-            prop_assume!(!first.triangles.is_empty() && !second.triangles.is_empty());
+        fn reads_back_bit_for_bit(first in with_triangles(), second in with_triangles()) {
             let file = read_back(&[("a b".into(), &first), ("# ü/1".into(), &second)]);
             let parts = [("a b", &first), ("# ü/1", &second)];
             let parts = parts.map(|(name, mesh)| ObjPart { name: name.into(), mesh: mesh.clone() });

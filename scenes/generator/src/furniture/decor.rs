@@ -39,12 +39,12 @@ pub fn rug() -> Mesh {
     Mesh::new("rug", s)
 }
 
-/// A plant in a pot: nine leaves on bent stalks.
+/// A plant in a pot: seven leaves on bent stalks.
 pub fn plant() -> Mesh {
     let pot = [(0.1, 0.0), (0.15, 0.3), (0.135, 0.3), (0.13, 0.25)];
     let mut s = vec![lathe(&pot, 12).of("terracotta")];
-    for i in 0..9 {
-        let t = i as f64 / 8.0;
+    for i in 0..7 {
+        let t = i as f64 / 6.0;
         let (length, rise) = (0.34 + 0.1 * (1.0 - t), 0.25 + 0.5 * t);
         let stalk = [v(0.01 + 0.03 * (1.0 - t), 0.0, 0.245), v(0.05, 0.0, 0.25 + rise * 0.55), v(0.07, 0.0, 0.25 + rise)];
         // Each leaf turns by the golden angle from the one below.
@@ -85,7 +85,7 @@ pub fn door() -> Mesh {
         s.push(bar(PAINT, [back + 0.013, front - 0.013], [0.1102, 0.6898], z));
     }
     // Rose and lever, on the room's side only: the wall is behind.
-    s.push(lathe(&[(0.024, 0.0), (0.024, 0.006), (0.009, 0.0061), (0.009, 0.05)], 8).turn_y(90.0).at(v(front + 0.0001, 0.745, 0.94)).of("brass"));
+    s.push(lathe(&[(0.024, 0.0), (0.024, 0.006), (0.009, 0.0061), (0.009, 0.05)], 7).turn_y(90.0).at(v(front + 0.0001, 0.745, 0.94)).of("brass"));
     s.push(tube(&[v(0.042, 0.752, 0.94), v(0.042, 0.69, 0.94), v(0.038, 0.625, 0.937)], v(0.0, 0.0, 1.0), 0.008, 5).of("brass"));
     Mesh::new("door", s)
 }

@@ -31,7 +31,7 @@ pub fn cup() -> Mesh {
     ];
     let handle = [(0.038, 0.074), (0.06, 0.073), (0.064, 0.05), (0.036, 0.03)];
     let path: Vec<_> = handle.iter().map(|&(x, z)| v(x, 0.0, z)).collect();
-    Mesh::new("cup", vec![lathe(&wall, 11).of("china"), tube(&path, v(0.0, 1.0, 0.0), 0.0045, 4).of("china")])
+    Mesh::new("cup", vec![lathe(&wall, 10).of("china"), tube(&path, v(0.0, 1.0, 0.0), 0.0045, 4).of("china")])
 }
 
 /// A wide wooden bowl.

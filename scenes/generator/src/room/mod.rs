@@ -56,11 +56,11 @@ fn standing() -> Vec<Object> {
     vec![
         here("table", "table").at(x, y, 0.0),
         here("chair south west", "chair").at(x - 0.34, y - 0.71, 0.0).turned(4.0),
-        here("chair south east", "chair").at(x + 0.36, y - 0.73, 0.0).turned(-14.0),
+        here("chair south east", "chair").at(x + 0.36, y - 0.67, 0.0).turned(-14.0),
         here("chair north west", "chair").at(x - 0.33, y + 0.7, 0.0).turned(183.0),
         here("chair north east", "chair").at(x + 0.34, y + 0.71, 0.0).turned(176.0),
         here("sofa", "sofa").at(3.1, 0.5, 0.0),
-        here("rug", "rug").at(2.95, 1.6, 0.0),
+        here("rug", "rug").at(2.97, 1.5, 0.0),
         here("pouf", "pouf").at(4.35, 1.3, 0.0),
         here("floor lamp", "floor_lamp").at(4.42, 0.3, 0.0).turned(160.0),
         here("screen", "screen").at(4.72, 0.12, 0.0),
