@@ -45,7 +45,14 @@ fn solve_sphere(reflectance: f64, lamp: [f64; 3], photons: u64) -> Sphere {
 /// Pearson's statistic of hits against their share by area, as standard deviations above its mean (Wilson and Hilferty 1931).
 fn chi_squared_deviation(hits: &[f64], areas: &[f64]) -> f64 {
     let (total, area): (f64, f64) = (hits.iter().sum(), areas.iter().sum());
-    let statistic: f64 = hits.iter().zip(areas).map(|(h, a)| { let e = total * a / area; (h - e) * (h - e) / e }).sum();
+    let statistic: f64 = hits
+        .iter()
+        .zip(areas)
+        .map(|(h, a)| {
+            let e = total * a / area;
+            (h - e) * (h - e) / e
+        })
+        .sum();
     let freedom = hits.len() as f64 - 1.0;
     let spread = 2.0 / (9.0 * freedom);
     ((statistic / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
@@ -137,7 +144,8 @@ fn mean_over_cell(corners: &[DVec3; 3], divisions: u32, local: u32, f: impl Fn(D
         for j in 0..fine - i {
             for (third, exists) in [(1.0, true), (2.0, i + j + 1 < fine)] {
                 if exists {
-                    let (mut u, mut v) = ((f64::from(i) + third / 3.0) / f64::from(fine), (f64::from(j) + third / 3.0) / f64::from(fine));
+                    let (mut u, mut v) =
+                        ((f64::from(i) + third / 3.0) / f64::from(fine), (f64::from(j) + third / 3.0) / f64::from(fine));
                     if inverted {
                         (u, v) = (1.0 - u, 1.0 - v);
                     }
@@ -188,7 +196,10 @@ fn photons_leave_a_lamp_as_its_photometric_file_says() {
         }
         let flux = lamp.flux().x;
         let (from_photons, from_file) = zones.iter().fold((0.0, 0.0), |s, z| (s.0 + z.0, s.1 + z.1));
-        println!("{}: {flux:.2} lm, photons {from_photons:.2}, zones {from_file:.2}", file.file_name().unwrap().to_string_lossy());
+        println!(
+            "{}: {flux:.2} lm, photons {from_photons:.2}, zones {from_file:.2}",
+            file.file_name().unwrap().to_string_lossy()
+        );
         assert!((from_photons / flux - 1.0).abs() < 0.005 && (from_file / flux - 1.0).abs() < 0.005);
         for (got, expected) in zones.into_iter().filter(|z| z.1 > 0.01 * flux) {
             let standard_error = (expected * flux / photons as f64).sqrt();

@@ -32,8 +32,7 @@ struct Step {
 fn step() -> impl Strategy<Value = Step> {
     let by = prop::array::uniform3(-0.4f64..0.4);
     let turn = prop::option::of(prop_oneof![Just(90.0), Just(-180.0), -30.0..30.0]);
-    (any::<prop::sample::Index>(), by, turn, 0usize..150)
-        .prop_map(|(object, by, turn, groups)| Step { object, by, turn, groups })
+    (any::<prop::sample::Index>(), by, turn, 0usize..150).prop_map(|(object, by, turn, groups)| Step { object, by, turn, groups })
 }
 
 fn edit(scene: &Scene, configuration: &Configuration, step: &Step) -> Edit {
@@ -71,10 +70,8 @@ fn drained_buckets_equal_a_fresh_solution() {
         let strategy = prop::collection::vec(step(), 1..6);
         runner
             .run(&strategy, |steps| {
-                let runs: Vec<(Solution, Vec<GroupId>)> = threads
-                    .iter()
-                    .map(|threads| threads.install(|| interrupted_repairs(&scene, &start, &steps)))
-                    .collect();
+                let runs: Vec<(Solution, Vec<GroupId>)> =
+                    threads.iter().map(|threads| threads.install(|| interrupted_repairs(&scene, &start, &steps))).collect();
                 let configuration = runs[0].0.world().configuration().clone();
                 let fresh = shoot(*start.pool(), &Arc::new(World::new(&configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
                 for (solution, order) in &runs {
@@ -162,8 +159,10 @@ fn every_order_drains_to_the_same_bits_and_local_repair_is_cheaper_than_a_restar
 fn scrambled_or_not_and_any_grouping() {
     let scene = own_scene("cornell");
     let world = world(&scene);
-    let configuration = Configuration::initial(&scene).apply(&Edit::Turn { object: "tall box".into(), to: DVec3::Z * 40.0 }).unwrap();
-    let pools = [(50_000, 10_080, 4, Scrambling::None), (50_003, 7, 100, Scrambling::Seed(5)), (4_608, 288, 16, Scrambling::None)];
+    let configuration =
+        Configuration::initial(&scene).apply(&Edit::Turn { object: "tall box".into(), to: DVec3::Z * 40.0 }).unwrap();
+    let pools =
+        [(50_000, 10_080, 4, Scrambling::None), (50_003, 7, 100, Scrambling::Seed(5)), (4_608, 288, 16, Scrambling::None)];
     for (photons, groups, ratio, scrambling) in pools {
         let pool = Pool::new(photons, groups, ratio, scrambling).unwrap();
         let mut solution = shoot(pool, &world, FirstHits::AsLampsSay);

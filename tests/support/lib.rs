@@ -1,14 +1,7 @@
 //! What the whole-program tests share: scenes made on the spot, pools, and how thorough to be.
 
 use glam::DVec3;
-use lightmend_photon::{
-    body::TreePreset,
-    halton::Scrambling,
-    path::FirstHits,
-    pool::Pool,
-    solution::Solution,
-    world::World,
-};
+use lightmend_photon::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, solution::Solution, world::World};
 use lightmend_scene::{
     Configuration, Mesh, Scene, Up,
     format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, read_ron, write_ron},

@@ -1,6 +1,10 @@
 //! `lightmend check`: what is in a scene, and what is wrong with it.
 
-use crate::{Common, failure::Failure, output::{self, say}};
+use crate::{
+    Common,
+    failure::Failure,
+    output::{self, say},
+};
 use lightmend_photon::emission::LampChoice;
 use lightmend_scene::{Mesh, Scene, luminance};
 use serde_json::json;
@@ -27,10 +31,12 @@ fn summary(scene: &Scene) -> serde_json::Value {
     let objects: Vec<_> = scene
         .objects
         .iter()
-        .map(|o| json!({
-            "name": o.name, "movable": o.movable, "triangles": o.mesh.triangles.len(), "cells": o.lattice.cells(),
-            "area": area(&o.mesh), "open_edges": open_edges(&o.mesh),
-        }))
+        .map(|o| {
+            json!({
+                "name": o.name, "movable": o.movable, "triangles": o.mesh.triangles.len(), "cells": o.lattice.cells(),
+                "area": area(&o.mesh), "open_edges": open_edges(&o.mesh),
+            })
+        })
         .collect();
     let choice = LampChoice::new(scene);
     let lamps: Vec<_> = scene
@@ -46,7 +52,12 @@ fn describe(scene: &Scene) {
     let movable = scene.objects.iter().filter(|o| o.movable).count();
     say(&format!(
         "{}: {} objects ({movable} movable), {} triangles, {} mesh elements, {} lamps, {} cameras",
-        scene.name, scene.objects.len(), scene.triangles(), scene.cells(), scene.lamps.len(), scene.cameras.len()
+        scene.name,
+        scene.objects.len(),
+        scene.triangles(),
+        scene.cells(),
+        scene.lamps.len(),
+        scene.cameras.len()
     ));
     say(&format!("\n{:<28} {:>9} {:>9} {:>10}  {:<8} on", "object", "triangles", "elements", "area m²", ""));
     for object in &scene.objects {
@@ -54,7 +65,10 @@ fn describe(scene: &Scene) {
         let open = open_edges(&object.mesh);
         say(&format!(
             "{:<28} {:>9} {:>9} {:>10.3}  {:<8} {carrier}{}",
-            object.name, object.mesh.triangles.len(), object.lattice.cells(), area(&object.mesh),
+            object.name,
+            object.mesh.triangles.len(),
+            object.lattice.cells(),
+            area(&object.mesh),
             if object.movable { "movable" } else { "fixed" },
             if open > 0 { format!("  ({open} open edges)") } else { String::new() },
         ));
@@ -68,7 +82,12 @@ fn describe(scene: &Scene) {
 }
 
 fn area(mesh: &Mesh) -> f64 {
-    (0..mesh.triangles.len()).map(|t| { let [a, b, c] = mesh.corners(t); (b - a).cross(c - a).length() / 2.0 }).sum()
+    (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            (b - a).cross(c - a).length() / 2.0
+        })
+        .sum()
 }
 
 /// Edges that are not met by two triangles of opposite direction, after joining equal vertices. None in a closed mesh.

@@ -76,7 +76,9 @@ fn draw<B: DrawingBackend>(panel: &DrawingArea<B, Shift>, scene: &str, chapter: 
         .configure_mesh()
         .x_desc(across)
         .y_desc("relevant photons repaired, %")
-        .x_label_formatter(&|x| if *x >= 0.01 && *x < 10_000.0 { format!("{}", (*x * 100.0).round() / 100.0) } else { format!("{x:.0e}") })
+        .x_label_formatter(&|x| {
+            if *x >= 0.01 && *x < 10_000.0 { format!("{}", (*x * 100.0).round() / 100.0) } else { format!("{x:.0e}") }
+        })
         .label_style((FONT, 13))
         .axis_desc_style((FONT, 14))
         .light_line_style(WHITE)

@@ -2,7 +2,11 @@
 //!
 //! The meshes are cleaned and written beside the scene file, in metres, so that the scene stands on its own.
 
-use crate::{Common, failure::Failure, output::{self, say}};
+use crate::{
+    Common,
+    failure::Failure,
+    output::{self, say},
+};
 use glam::DVec3;
 use lightmend_scene::{
     Direct, FARTHEST, Mesh, SceneError, Up,
@@ -10,7 +14,11 @@ use lightmend_scene::{
     obj::{MtlMaterial, Strictness, read_obj, write_obj},
     unknown, within_reach,
 };
-use std::{collections::BTreeMap, io::Write, path::{Path, PathBuf}};
+use std::{
+    collections::BTreeMap,
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -90,7 +98,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::input(format!("{}: this is where the meshes go; let --out end in .ron", mesh_path.display())));
     }
     if arguments.models.iter().any(|m| m.canonicalize().is_ok_and(|m| mesh_path.canonicalize().is_ok_and(|p| p == m))) {
-        return Err(Failure::input(format!("{}: the meshes would overwrite this model; give --out another name", mesh_path.display())));
+        return Err(Failure::input(format!(
+            "{}: the meshes would overwrite this model; give --out another name",
+            mesh_path.display()
+        )));
     }
     let mut import = Import::default();
     for model in &arguments.models {
@@ -117,7 +128,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let summary = serde_json::json!({ "scene": arguments.out, "objects": import.objects.len(), "triangles": triangles });
         output::json(None, &summary, true)?;
     } else if common.talks() {
-        say(&format!("{} objects, {triangles} triangles: {} and {}", import.objects.len(), arguments.out.display(), mesh_path.display()));
+        say(&format!(
+            "{} objects, {triangles} triangles: {} and {}",
+            import.objects.len(),
+            arguments.out.display(),
+            mesh_path.display()
+        ));
         if arguments.lamp.is_empty() {
             say("there is no lamp yet: add one to the scene file, or give --lamp x,y,z,cd");
         }

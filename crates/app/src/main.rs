@@ -112,7 +112,8 @@ const DEFAULT_PHOTONS: u64 = 1_152_000;
 impl PoolArguments {
     fn pool(&self) -> Result<Pool, Failure> {
         let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
-        Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.ng, self.r, scrambling).map_err(|e| Failure::input(format!("--photons: {e}")))
+        Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.ng, self.r, scrambling)
+            .map_err(|e| Failure::input(format!("--photons: {e}")))
     }
 
     /// The smallest pool of these groups: one pilot in each. It can grow to any size, and any of its prefixes can be kept.

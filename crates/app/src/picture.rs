@@ -42,7 +42,8 @@ fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<D
             for sample in 0..GRID * GRID {
                 let x = f64::from(pixel % WIDTH) + (f64::from(sample % GRID) + 0.5) / f64::from(GRID);
                 let y = f64::from(pixel / WIDTH) + (f64::from(sample / GRID) + 0.5) / f64::from(GRID);
-                let (x, y) = ((2.0 * x - f64::from(WIDTH)) / f64::from(HEIGHT) * half, (1.0 - 2.0 * y / f64::from(HEIGHT)) * half);
+                let (x, y) =
+                    ((2.0 * x - f64::from(WIDTH)) / f64::from(HEIGHT) * half, (1.0 - 2.0 * y / f64::from(HEIGHT)) * half);
                 sum += radiance(world, buckets, scale, view.eye, (forward + right * x + above * y).as_vec3());
             }
             sum / f64::from(GRID * GRID)

@@ -1,6 +1,11 @@
 //! `lightmend probe`: irradiance at points of surfaces.
 
-use crate::{Common, PoolArguments, failure::Failure, output::{self, say}, progress};
+use crate::{
+    Common, PoolArguments,
+    failure::Failure,
+    output::{self, say},
+    progress,
+};
 use glam::DVec3;
 use lightmend_photon::{
     body::TreePreset,
@@ -11,7 +16,11 @@ use lightmend_photon::{
     world::World,
 };
 use lightmend_scene::{Configuration, SceneError, luminance};
-use std::{io::Write, path::{Path, PathBuf}, sync::Arc};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 #[derive(clap::Args)]
 pub struct Arguments {

@@ -1,6 +1,12 @@
 //! `lightmend replay`: after each scripted edit, repair the light in several orders and say what each order cost.
 
-use crate::{Common, PoolArguments, failure::Failure, figure, output::{self, say}, progress};
+use crate::{
+    Common, PoolArguments,
+    failure::Failure,
+    figure,
+    output::{self, say},
+    progress,
+};
 use lightmend_photon::{
     body::TreePreset,
     path::FirstHits,
@@ -147,7 +153,9 @@ fn shoot(pool: &lightmend_photon::pool::Pool, world: Arc<World>, what: &str, qui
         !progress::interrupted()
     });
     bar.finish_and_clear();
-    solution.filter(|s| s.pool().photons() == pool.photons()).ok_or_else(|| Failure::failed("interrupted before the initial light was done"))
+    solution
+        .filter(|s| s.pool().photons() == pool.photons())
+        .ok_or_else(|| Failure::failed("interrupted before the initial light was done"))
 }
 
 fn title(edit: &ScriptedEdit) -> String {
@@ -196,7 +204,12 @@ fn print_chapter(chapter: &Chapter) {
     let share = chapter.relevant as f64 / chapter.photons as f64 * 100.0;
     say(&format!("\n{}: {} relevant photons ({share:.3} %)", chapter.title, chapter.relevant));
     let unit = chapter.oracle_rays();
-    say(&format!("{:<10} {:>36}  {:>8}  bits", "order", if unit.is_some() { "rays to 50/90/99/100 %, × oracle" } else { "rays to 50/90/99/100 %" }, "seconds"));
+    say(&format!(
+        "{:<10} {:>36}  {:>8}  bits",
+        "order",
+        if unit.is_some() { "rays to 50/90/99/100 %, × oracle" } else { "rays to 50/90/99/100 %" },
+        "seconds"
+    ));
     for track in &chapter.tracks {
         let multiples: Vec<String> = SHARES
             .iter()
@@ -236,7 +249,11 @@ fn write_csv(out: &mut impl Write, chapters: &[Chapter]) -> std::io::Result<()> 
         for track in &chapter.tracks {
             for m in &track.recovery.moments {
                 let Moment { work, seconds, repaired } = m;
-                writeln!(out, "{number},{},{},{},{seconds:.6},{repaired},{}", track.order, work.photons, work.rays, chapter.relevant)?;
+                writeln!(
+                    out,
+                    "{number},{},{},{},{seconds:.6},{repaired},{}",
+                    track.order, work.photons, work.rays, chapter.relevant
+                )?;
             }
         }
     }

@@ -1,6 +1,11 @@
 //! `lightmend solve`: shoot a pool and write what it lit.
 
-use crate::{Common, PoolArguments, failure::Failure, output::{self, say}, picture, progress};
+use crate::{
+    Common, PoolArguments,
+    failure::Failure,
+    output::{self, say},
+    picture, progress,
+};
 use lightmend_photon::{body::TreePreset, irradiance::Scale, path::FirstHits, solution::Solution, world::World};
 use lightmend_scene::Configuration;
 use serde_json::json;
@@ -80,11 +85,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if common.talks() {
         say(&format!(
             "{}: {photons} photons, {rays} rays ({:.2} a photon) in {seconds:.2} s on {threads} threads: {:.2} Mrays/s",
-            scene.name, rays as f64 / photons as f64, rays as f64 / seconds / 1e6
+            scene.name,
+            rays as f64 / photons as f64,
+            rays as f64 / seconds / 1e6
         ));
-        say(&format!(
-            "absorbed {}, escaped {}, cut {}", total(|t| t.absorbed), total(|t| t.escaped), total(|t| t.cut)
-        ));
+        say(&format!("absorbed {}, escaped {}, cut {}", total(|t| t.absorbed), total(|t| t.escaped), total(|t| t.cut)));
     }
     if let Some(out) = out {
         let scale = Scale::new(&scene, solution.rules(), photons);

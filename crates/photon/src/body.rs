@@ -111,15 +111,9 @@ impl Body {
         self.traverse(ray, best)
     }
 
-    /// As [`nearest`](Self::nearest), if the ray meets the body's box at all.
-    #[inline]
-    pub fn nearest_if_near<'t>(&'t self, ray: &Ray, inverse: Vec3, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let to_low = (self.bounds[0] - ray.origin) * inverse;
-        let to_high = (self.bounds[1] - ray.origin) * inverse;
-        let enter = to_low.min(to_high).max_element().max(0.0);
-        let leave = to_low.max(to_high).min_element();
-        let limit = best.map_or(f32::INFINITY, |b| b.distance * SLACK);
-        if enter <= leave.min(limit) { self.nearest(ray, best) } else { best }
+    /// The box about it, padded; its low corner is above its high one if it is empty.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.bounds
     }
 
     fn traverse<'t>(&'t self, ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
@@ -142,8 +136,8 @@ impl Body {
     }
 }
 
-/// The tree takes only what is strictly nearer; equally near triangles must still be visited, to choose by id.
-const SLACK: f32 = 1.000_001;
+/// Factor of a hit's distance up to which trees are searched on. The tree takes only what is strictly nearer; equally near triangles must still be visited, to choose by id.
+pub const SLACK: f32 = 1.000_001;
 
 /// 1 / d, large but finite where d is zero.
 #[inline]

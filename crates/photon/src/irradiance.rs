@@ -3,7 +3,10 @@
 //! Irradiance = Σ over lamps of energy / 2²⁴ · Φ / (N · p) / area. Division by the pool, the lamp's chance and its flux happen here
 //! and nowhere else, so that dimming, switching and recolouring a lamp re-trace nothing.
 
-use crate::{bucket::{Buckets, ENERGY_BITS}, path::Rules};
+use crate::{
+    bucket::{Buckets, ENERGY_BITS},
+    path::Rules,
+};
 use glam::DVec3;
 use lightmend_scene::Scene;
 

@@ -23,6 +23,7 @@
 //! ```
 
 pub mod body;
+mod boxes;
 pub mod bucket;
 pub mod emission;
 pub mod halton;

@@ -12,7 +12,7 @@ use crate::{
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle},
-    world::{Difference, World},
+    world::{Difference, Phantoms, World},
 };
 use glam::Vec3;
 use lightmend_scene::Direct;
@@ -188,12 +188,13 @@ pub enum Touched {
 }
 
 /// Traces photon `index` in both worlds at once (Dmitriev et al. 2002, Algorithm 1): in the old one with phantoms of `changed`, in the
-/// new one with those objects themselves. The common beginning is traced once and recorded nowhere: it deposits the same in both.
+/// new one with those objects themselves (`phantoms` are those of `worlds[0]`). The common beginning is traced once and recorded nowhere: it deposits the same in both.
 /// From where they part, the old path goes to `old` and the new one to `new`. Traversals of the common part count in `new`.
 pub fn trace_both(
     rules: &Rules,
     worlds: [&World; 2],
     changed: &Difference,
+    phantoms: &Phantoms,
     index: PhotonIndex,
     old: &mut impl Record,
     new: &mut impl Record,
@@ -209,7 +210,7 @@ pub fn trace_both(
     loop {
         new.ray();
         let met = after.nearest(&photon.ray);
-        let phantom = before.nearest_of(&changed.objects, &photon.ray, met).filter(|hit| !is_same(hit, &met));
+        let phantom = before.nearest_of(phantoms, &photon.ray, met).filter(|hit| !is_same(hit, &met));
         let touched = match (&met, &phantom) {
             (_, Some(hit)) => Touched::Phantom(hit.triangle.object()),
             (Some(hit), None) if changed.objects.binary_search(&hit.triangle.object()).is_ok() => {

@@ -48,8 +48,11 @@ mod tests {
     fn the_mean_cosine_of_lambert_is_two_thirds() {
         let n = 200;
         let middles = || (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n));
-        let mean = middles().flat_map(|u| middles().map(move |v| (u, v)))
-            .map(|(u, v)| f64::from(cosine_hemisphere(Vec3::X, u, v).x)).sum::<f64>() / f64::from(n * n);
+        let mean = middles()
+            .flat_map(|u| middles().map(move |v| (u, v)))
+            .map(|(u, v)| f64::from(cosine_hemisphere(Vec3::X, u, v).x))
+            .sum::<f64>()
+            / f64::from(n * n);
         assert!((mean - 2.0 / 3.0).abs() < 1e-4);
     }
 }

@@ -63,7 +63,12 @@ pub struct Repaired {
 impl Solution {
     /// Shoots a whole pool. `progress` hears of the photons shot so far and of the rays of the last slab, and may end the work by
     /// returning `false`; what was shot until then is then the whole pool, smaller. `None` if that is less than the groups need.
-    pub fn shoot(pool: Pool, world: Arc<World>, first_hits: FirstHits, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
+    pub fn shoot(
+        pool: Pool,
+        world: Arc<World>,
+        first_hits: FirstHits,
+        progress: &mut dyn FnMut(u64, u64) -> bool,
+    ) -> Option<Solution> {
         let rules = Arc::new(Rules::new(world.scene(), Sequence::new(pool.scrambling), first_hits));
         let mut shooting = Shooting::new(rules.clone(), world.clone());
         while shooting.photons() < pool.photons() {
@@ -209,13 +214,14 @@ impl Solution {
         if lamps == 0 {
             return (Work::default(), Vec::new());
         }
+        let phantoms = before.phantoms(&changed.objects);
         let tasks: Vec<_> = photons
             .par_chunks(TASK as usize)
             .map(|photons| {
                 let (mut old, mut new) = (Outcome::new(lamps, true), Outcome::new(lamps, false));
                 let mut met = Vec::new();
                 for index in photons {
-                    let touched = trace_both(&self.rules, [before, &self.world], changed, *index, &mut old, &mut new);
+                    let touched = trace_both(&self.rules, [before, &self.world], changed, &phantoms, *index, &mut old, &mut new);
                     if touched != Touched::Nothing {
                         met.push((*index, touched));
                     }
@@ -293,10 +299,7 @@ impl Shooting {
             self.work.photons += count;
             return;
         }
-        let outcomes: Vec<Outcome> = (0..CLASSES)
-            .into_par_iter()
-            .map(|class| self.trace_class(indices.clone(), class))
-            .collect();
+        let outcomes: Vec<Outcome> = (0..CLASSES).into_par_iter().map(|class| self.trace_class(indices.clone(), class)).collect();
         for outcome in outcomes {
             self.buckets.add(&outcome.deposits);
             self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));

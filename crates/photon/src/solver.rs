@@ -5,13 +5,7 @@
 //! (Dmitriev et al. 2002, §3).
 
 use crate::{
-    body::TreePreset,
-    bucket::Buckets,
-    irradiance::Scale,
-    path::FirstHits,
-    pool::Pool,
-    solution::Solution,
-    world::World,
+    body::TreePreset, bucket::Buckets, irradiance::Scale, path::FirstHits, pool::Pool, solution::Solution, world::World,
 };
 use lightmend_scene::{Configuration, View};
 use std::{

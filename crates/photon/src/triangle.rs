@@ -143,10 +143,12 @@ mod tests {
     #[test]
     fn shared_edges_and_corners_are_never_missed() {
         // A fan around a point, seen from 1,000 places: rays at the corners and along the edges always meet it.
-        let rim: Vec<Vec3> = (0..7).map(|k| {
-            let (s, c) = (k as f32 * 0.9).sin_cos();
-            vec3(c, s, 0.1 * s)
-        }).collect();
+        let rim: Vec<Vec3> = (0..7)
+            .map(|k| {
+                let (s, c) = (k as f32 * 0.9).sin_cos();
+                vec3(c, s, 0.1 * s)
+            })
+            .collect();
         let centre = vec3(0.013, -0.027, 0.05);
         let fan: Vec<Triangle> = (0..7).map(|k| triangle(centre, rim[k], rim[(k + 1) % 7], k as u64)).collect();
         for place in 0..1000 {

@@ -1,7 +1,8 @@
 //! A configuration as rays see it: bodies with trees, and lamps with frames. Immutable; a move replaces one body.
 
 use crate::{
-    body::{Body, Reach, TreePreset, inverse},
+    body::{Body, Reach, SLACK, TreePreset, inverse},
+    boxes::Boxes,
     sampling::uniform_sphere,
     triangle::{Hit, Ray, Triangle},
 };
@@ -33,6 +34,8 @@ pub struct World {
     dynamic: Vec<Option<Arc<Placed>>>,
     /// The indices of the dynamic objects.
     order: Arc<[usize]>,
+    /// Their boxes, in that order.
+    boxes: Boxes,
     lamps: Vec<PlacedLamp>,
     reach: Reach,
     preset: TreePreset,
@@ -52,6 +55,13 @@ impl Difference {
     pub fn is_empty(&self) -> bool {
         self.objects.is_empty() && self.lamps.is_empty()
     }
+}
+
+/// Objects of an earlier world (Dmitriev et al. 2002, §5.1: scene phantoms), with their boxes.
+#[derive(Debug, Clone, Default)]
+pub struct Phantoms {
+    objects: Vec<usize>,
+    boxes: Boxes,
 }
 
 fn placed_triangles(scene: &Scene, id: usize, motion: &Motion) -> Vec<Triangle> {
@@ -75,9 +85,11 @@ impl World {
         let motions = configuration.object_motions();
         let initial = Configuration::initial(scene).object_motions();
         // From the file's poses, not the current ones: a path must not depend on where a moved object has been.
-        let largest = scene.objects.iter().zip(&initial).flat_map(|(object, motion)| {
-            object.mesh.positions.iter().map(|p| motion.point(*p).abs().max_element() as f32)
-        });
+        let largest = scene
+            .objects
+            .iter()
+            .zip(&initial)
+            .flat_map(|(object, motion)| object.mesh.positions.iter().map(|p| motion.point(*p).abs().max_element() as f32));
         let reach = Reach::new(largest.fold(0.0, f32::max));
         let fixed: Vec<Triangle> = (0..scene.objects.len())
             .filter(|id| !scene.objects[*id].dynamic)
@@ -89,6 +101,7 @@ impl World {
             fixed: Arc::new(Body::new(fixed, reach, preset)),
             dynamic: vec![None; scene.objects.len()],
             order: order.clone(),
+            boxes: Boxes::default(),
             lamps: (0..scene.lamps.len()).map(|id| place_lamp(configuration, id)).collect(),
             reach,
             preset: if preset == TreePreset::Medium { TreePreset::Fast } else { TreePreset::Medium },
@@ -96,7 +109,12 @@ impl World {
         for id in order.iter() {
             world.dynamic[*id] = Some(world.place(*id, motions[*id]));
         }
+        world.boxes = world.bounds_of_dynamic();
         world
+    }
+
+    fn bounds_of_dynamic(&self) -> Boxes {
+        Boxes::new(self.order.iter().filter_map(|id| self.dynamic[*id].as_ref()).map(|placed| placed.body.bounds()))
     }
 
     fn place(&self, id: usize, motion: Motion) -> Arc<Placed> {
@@ -113,6 +131,7 @@ impl World {
                 world.dynamic[*id] = Some(self.place(*id, motion));
             }
         }
+        world.boxes = world.bounds_of_dynamic();
         world.lamps = (0..self.lamps.len()).map(|id| place_lamp(configuration, id)).collect();
         world
     }
@@ -154,25 +173,30 @@ impl World {
 
     /// The first surface that a ray meets. One traversal: movables first, each behind its box, then what is fixed.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
-        let inverse = inverse(ray.direction);
-        let mut best = None;
-        for id in self.order.iter() {
-            if let Some(placed) = &self.dynamic[*id] {
-                best = placed.body.nearest_if_near(ray, inverse, best);
-            }
-        }
+        let best = self.nearest_in(&self.boxes, &self.order, ray, None);
         self.fixed.nearest(ray, best)
     }
 
     /// The nearest of `best` and the objects `ids` where they stand in this world.
-    pub fn nearest_of<'t>(&'t self, ids: &[usize], ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let inverse = inverse(ray.direction);
-        for id in ids {
-            if let Some(placed) = &self.dynamic[*id] {
-                best = placed.body.nearest_if_near(ray, inverse, best);
+    pub fn nearest_of<'t>(&'t self, ids: &Phantoms, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
+        self.nearest_in(&ids.boxes, &ids.objects, ray, best)
+    }
+
+    fn nearest_in<'t>(&'t self, boxes: &Boxes, ids: &[usize], ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
+        let limit = |best: &Option<Hit>| best.map_or(f32::INFINITY, |b| b.distance * SLACK);
+        boxes.entered(ray, inverse(ray.direction), limit(&best), |n| {
+            if let Some(placed) = &self.dynamic[ids[n]] {
+                best = placed.body.nearest(ray, best);
             }
-        }
+            limit(&best)
+        });
         best
+    }
+
+    /// The objects `ids` where they stand in this world, to be met beside those of another.
+    pub fn phantoms(&self, ids: &[usize]) -> Phantoms {
+        let placed = ids.iter().filter_map(|id| self.dynamic[*id].as_ref());
+        Phantoms { boxes: Boxes::new(placed.map(|placed| placed.body.bounds())), objects: ids.to_vec() }
     }
 
     /// Whether nothing stands between a point just above a surface and a lamp.

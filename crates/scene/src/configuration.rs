@@ -69,7 +69,8 @@ impl Configuration {
             Edit::Turn { .. } => to.is_finite(),
         };
         if !possible {
-            let what = format!("object '{object}' cannot go to {to}: not a number, or farther than {FARTHEST:e} m from the origin");
+            let what =
+                format!("object '{object}' cannot go to {to}: not a number, or farther than {FARTHEST:e} m from the origin");
             return Err(SceneError::Edit(what));
         }
         let mut state = State::clone(&self.state);

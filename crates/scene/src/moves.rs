@@ -138,10 +138,10 @@ impl Moves {
             if !(timed.at.is_finite() && timed.at >= 0.0) {
                 return Err(place("its time must be a number of seconds, not below 0".into()));
             }
-            if let ScriptedEdit::Drag { step, seconds, .. } = &timed.edit {
-                if !(step.is_finite() && *step > 0.0 && seconds.is_finite() && *seconds >= 0.0) {
-                    return Err(place("a drag needs a positive step and seconds not below 0".into()));
-                }
+            if let ScriptedEdit::Drag { step, seconds, .. } = &timed.edit
+                && !(step.is_finite() && *step > 0.0 && seconds.is_finite() && *seconds >= 0.0)
+            {
+                return Err(place("a drag needs a positive step and seconds not below 0".into()));
             }
             configuration.apply(&timed.edit.last()).map_err(|e| place(e.to_string()))?;
         }

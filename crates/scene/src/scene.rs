@@ -102,11 +102,15 @@ pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>)
     }
 }
 
+/// A mesh and its mesh elements.
+type CutMesh = (Arc<Mesh>, Arc<Lattice>);
+
 struct Loader<'a> {
     path: &'a Path,
     folder: PathBuf,
     models: BTreeMap<PathBuf, Arc<ObjFile>>,
-    meshes: BTreeMap<(PathBuf, Option<String>), (Arc<Mesh>, Arc<Lattice>)>,
+    /// By file and part.
+    meshes: BTreeMap<(PathBuf, Option<String>), CutMesh>,
     /// Materials in use, by name.
     materials: BTreeMap<String, Material>,
     warnings: Vec<Warning>,
@@ -233,7 +237,10 @@ impl Loader<'_> {
         }
         let textured = names.iter().any(|n| self.materials[n].texture.is_some());
         if textured && mesh.uvs.is_empty() {
-            self.warn(format!("{what}: its material has a texture but {} has no texture coordinates: it shows one point of the image", entry.mesh));
+            self.warn(format!(
+                "{what}: its material has a texture but {} has no texture coordinates: it shows one point of the image",
+                entry.mesh
+            ));
         }
         let object = Object {
             name: entry.name.clone(),
@@ -288,7 +295,7 @@ impl Loader<'_> {
         Ok(model)
     }
 
-    fn mesh(&mut self, entry: &ObjectEntry, model: &ObjFile, cell: f64) -> Result<(Arc<Mesh>, Arc<Lattice>), SceneError> {
+    fn mesh(&mut self, entry: &ObjectEntry, model: &ObjFile, cell: f64) -> Result<CutMesh, SceneError> {
         let key = (self.folder.join(&entry.mesh), entry.part.clone());
         if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
@@ -304,7 +311,8 @@ impl Loader<'_> {
             }
         };
         if !mesh.positions.iter().all(|p| within_reach(*p)) {
-            let what = format!("object '{}': {} has a vertex farther than {FARTHEST:e} m from the origin", entry.name, entry.mesh);
+            let what =
+                format!("object '{}': {} has a vertex farther than {FARTHEST:e} m from the origin", entry.name, entry.mesh);
             return Err(self.fault(format!("{what}; lengths are metres")));
         }
         let lattice = Lattice::new(&mesh, cell).ok_or_else(|| {

@@ -73,7 +73,10 @@ impl Diagram {
         let gammas: Vec<f64> = (0..=(self.gamma_end / 5.0) as usize).map(|i| 5.0 * i as f64).collect();
         let line = |values: &mut dyn Iterator<Item = String>| values.collect::<Vec<_>>().join(" ") + "\n";
         let mut s = String::from("IESNA:LM-63-2002\n");
-        s += &format!("[TEST] computed, no measurement\n[TESTLAB] lightmend-scenes\n[ISSUEDATE] 2026-01-01\n[MANUFAC] Lightmend\n[LUMINAIRE] {}\nTILT=NONE\n", self.what);
+        s += &format!(
+            "[TEST] computed, no measurement\n[TESTLAB] lightmend-scenes\n[ISSUEDATE] 2026-01-01\n[MANUFAC] Lightmend\n[LUMINAIRE] {}\nTILT=NONE\n",
+            self.what
+        );
         // One lamp, absolute photometry (-1), factor 1, type C (1), metres (2), a round opening (negative width, length 0).
         s += &format!("1 -1 1 {} {} 1 2 -{} 0 0\n1 1 {}\n", gammas.len(), self.c.len(), self.diameter, 20);
         s += &line(&mut gammas.iter().map(|g| format!("{g:.0}")));

@@ -111,12 +111,15 @@ pub fn cut_soft_block(min: DVec3, max: DVec3, edge: f64, n: [usize; 3]) -> Solid
             // The strip along `w` between this face and that of `u`.
             for far_u in sides {
                 for k in 0..n[w] {
-                    let (on_this, on_that) = (|k| place(end(u, far_u), k), |k| {
-                        let mut place = [0; 3];
-                        place[axis] = end(axis, far);
-                        place[w] = k;
-                        place
-                    });
+                    let (on_this, on_that) = (
+                        |k| place(end(u, far_u), k),
+                        |k| {
+                            let mut place = [0; 3];
+                            place[axis] = end(axis, far);
+                            place[w] = k;
+                            place
+                        },
+                    );
                     polygons.push(vec![
                         at(axis, far, on_this(k)),
                         at(axis, far, on_this(k + 1)),

@@ -38,11 +38,7 @@ fn all_files_are_read_or_refused_in_a_line() -> std::io::Result<()> {
         match read_obj(&path, Strictness::Import) {
             Ok((file, warnings)) => {
                 let triangles: usize = file.parts.iter().map(|p| p.mesh.triangles.len()).sum();
-                println!(
-                    "{name}: {} parts, {triangles} triangles, {} materials",
-                    file.parts.len(),
-                    file.materials.len()
-                );
+                println!("{name}: {} parts, {triangles} triangles, {} materials", file.parts.len(), file.materials.len());
                 for warning in warnings {
                     println!("    {}", warning.0.replace(&format!("{}/", corpus.display()), ""));
                     assert_eq!(warning.0.lines().count(), 1);

@@ -10,8 +10,8 @@ use crate::error::Warning;
 
 /// Finds the materials `used` by the file `obj` in its `libraries`, the arguments of its `mtllib` statements.
 ///
-/// A name without definition is missing from the result. That is warned of unless the file claims no materials at
-/// all, as those of a scene do, which defines them itself.
+/// A name without definition is missing from the result. An import is warned of that; a scene may define the name itself,
+/// and warns if it does not.
 pub fn load(
     obj: &Path,
     libraries: &[String],
@@ -40,7 +40,7 @@ pub fn load(
     }
     let find = |name: &&str| drafts.iter().rev().find(|d| d.name == *name);
     let undefined: Vec<&str> = used.iter().copied().filter(|name| find(name).is_none()).collect();
-    if !missing.is_empty() || !undefined.is_empty() && (!libraries.is_empty() || strictness == Strictness::Import) {
+    if !missing.is_empty() || !undefined.is_empty() && strictness == Strictness::Import {
         let cause = match (missing.is_empty(), libraries.is_empty()) {
             (false, _) => format!("cannot read the material file {}", quoted(&missing)),
             (true, false) => "its material files do not define all that it uses".to_owned(),
@@ -48,6 +48,8 @@ pub fn load(
         };
         let consequence = if undefined.is_empty() {
             "the materials in use are defined elsewhere".to_owned()
+        } else if strictness == Strictness::Scene {
+            format!("the scene file must define {}", quoted(&undefined))
         } else {
             format!("0.5 grey stands in for {}", quoted(&undefined))
         };
@@ -169,8 +171,7 @@ fn texture_file<'a>(folder: &Path, argument: &'a str) -> (&'a str, Option<PathBu
             // u, and perhaps v and w.
             "-o" | "-s" | "-t" => rest.split_whitespace().take(3).take_while(|w| w.parse::<f64>().is_ok()).count(),
             "-mm" => 2,
-            "-blendu" | "-blendv" | "-bm" | "-boost" | "-cc" | "-clamp" | "-colorspace" | "-imfchan" | "-texres"
-            | "-type" => 1,
+            "-blendu" | "-blendv" | "-bm" | "-boost" | "-cc" | "-clamp" | "-colorspace" | "-imfchan" | "-texres" | "-type" => 1,
             // A name that starts with a minus.
             _ => break,
         };

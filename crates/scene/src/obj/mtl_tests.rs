@@ -29,10 +29,7 @@ fn reflectance_outside_of_its_range_is_clamped() {
     let (found, warnings) = material("newmtl m\n  Kd 1.5 -1 0.5 # no\nKe 17 12 4\n");
     let found = found.expect("a material");
     assert_eq!((found.reflectance, found.emission), ([1.0, 0.0, 0.5], [17.0, 12.0, 4.0]));
-    assert_eq!(
-        warnings,
-        ["/a.mtl:1: material `m`: Kd [1.5, -1.0, 0.5] is outside of 0..1 and becomes [1.0, 0.0, 0.5]"]
-    );
+    assert_eq!(warnings, ["/a.mtl:1: material `m`: Kd [1.5, -1.0, 0.5] is outside of 0..1 and becomes [1.0, 0.0, 0.5]"]);
 }
 
 #[test]

@@ -111,20 +111,7 @@ mod tests {
     fn objects_win_over_groups() {
         let o = |name: &str| Object(name.into());
         expect(
-            &[
-                g("x"),
-                Faces(1),
-                o("a"),
-                g("y"),
-                m("red"),
-                Faces(2),
-                o("b"),
-                Faces(3),
-                o("a"),
-                Faces(4),
-                o(""),
-                Faces(5),
-            ],
+            &[g("x"), Faces(1), o("a"), g("y"), m("red"), Faces(2), o("b"), Faces(3), o("a"), Faces(4), o(""), Faces(5)],
             &[("file", "default", 1), ("a", "red", 2), ("b", "red", 3), ("a", "red", 4), ("file", "red", 5)],
         );
     }

@@ -49,8 +49,7 @@ impl Cutter {
         }
         // A corner repeated at once changes no shape.
         self.kept.clear();
-        self.kept
-            .extend((0..corners.len()).filter(|&i| corners[i] != corners[(i + 1) % corners.len()]).map(|i| i as u32));
+        self.kept.extend((0..corners.len()).filter(|&i| corners[i] != corners[(i + 1) % corners.len()]).map(|i| i as u32));
         let kept = &self.kept;
         if kept.len() < 3 {
             out.push([0, 1, 2]);

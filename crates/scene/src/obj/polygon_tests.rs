@@ -57,18 +57,8 @@ fn convex_quads_are_halved_from_the_first_corner() {
 #[test]
 fn concave_polygons_are_not_fans() {
     assert_exact(&flat(&[[0.0, 0.0], [2.0, -1.0], [0.5, 0.0], [2.0, 1.0]]));
-    let comb = [
-        [0.0, 0.0],
-        [5.0, 0.0],
-        [5.0, 3.0],
-        [4.0, 3.0],
-        [4.0, 1.0],
-        [3.0, 1.0],
-        [3.0, 3.0],
-        [2.0, 3.0],
-        [2.0, 1.0],
-        [0.0, 3.0],
-    ];
+    let comb =
+        [[0.0, 0.0], [5.0, 0.0], [5.0, 3.0], [4.0, 3.0], [4.0, 1.0], [3.0, 1.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [0.0, 3.0]];
     assert_exact(&flat(&comb));
     assert_exact(&flat(&comb).into_iter().rev().collect::<Vec<_>>());
     assert_exact(&flat(&comb).into_iter().map(|p| DVec3::new(0.0, p.x, p.y) + 1e4).collect::<Vec<_>>());

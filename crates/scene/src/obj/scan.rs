@@ -96,8 +96,7 @@ pub fn scan(path: &Path, text: &str, warnings: &mut Vec<Warning>) -> Result<Scan
             _ => {}
         }
     }
-    for (largest, count, kind) in [(&largest[0], scan.vertices, "vertices"), (&largest[1], uvs, "texture coordinates")]
-    {
+    for (largest, count, kind) in [(&largest[0], scan.vertices, "vertices"), (&largest[1], uvs, "texture coordinates")] {
         if largest.index > count {
             let what = format!("a face uses index {}, but the file has {count} {kind}", largest.index);
             return Err(SceneError::line(path, largest.line, what));

@@ -67,7 +67,7 @@ fn a_missing_mtl_keeps_geometry_and_names() {
     assert_eq!(parts(&file), [("a", vec!["red", "blue"], 2)]);
     assert_eq!(file.parts[0].mesh.material_of, [0, 1]);
     assert_eq!(file.materials, []);
-    assert_eq!(warnings, ["a.obj: cannot read the material file `gone.mtl`; 0.5 grey stands in for `red`, `blue`"]);
+    assert_eq!(warnings, ["a.obj: cannot read the material file `gone.mtl`; the scene file must define `red`, `blue`"]);
 }
 
 #[test]
@@ -103,8 +103,7 @@ fn usemtl_before_g_names_the_right_part() {
     let obj = format!("{TRIANGLE}usemtl a\ng a\nf 1 2 3\nusemtl b\ng b\nf 1 2 3\nusemtl c\nf 1 2 3\ng c\nusemtl c\n");
     let (file, warnings) = read_with(obj.as_bytes(), &[], Strictness::Scene).expect("a readable file");
     assert_eq!(parts(&file), [("a", vec!["a"], 1), ("b", vec!["b"], 1), ("c", vec!["c"], 1)]);
-    let warning =
-        "a.obj: faces of `c` come before their `g` line; they are put into the group of their material's name";
+    let warning = "a.obj: faces of `c` come before their `g` line; they are put into the group of their material's name";
     assert_eq!(warnings, [warning]);
 }
 
@@ -125,10 +124,7 @@ fn indices_out_of_range_are_errors_with_a_line() {
         ("f 0 1 2", "a.obj:4: face corner `0`: index 0; the first is 1, the last is -1"),
         ("f 1 2 3/0", "a.obj:4: face corner `3/0`: index 0; the first is 1, the last is -1"),
         ("f 1 2 /1", "a.obj:4: face corner `/1`: no vertex index"),
-        (
-            "f 1 2 3/1/1/1",
-            "a.obj:4: face corner `3/1/1/1`: at most three indices, vertex/texture/normal, make a corner",
-        ),
+        ("f 1 2 3/1/1/1", "a.obj:4: face corner `3/1/1/1`: at most three indices, vertex/texture/normal, make a corner"),
         ("f 1 2 x", "a.obj:4: face corner `x`: not a number"),
         (
             "f 1 2 -9223372036854775808",

@@ -171,7 +171,13 @@ impl Head {
         }
         let kind = numbers.number("the photometric type")?;
         if kind != 1.0 {
-            let name = if kind == 2.0 { "B" } else if kind == 3.0 { "A" } else { "unknown" };
+            let name = if kind == 2.0 {
+                "B"
+            } else if kind == 3.0 {
+                "A"
+            } else {
+                "unknown"
+            };
             let what = format!("photometric type {kind} ({name}): only type C (1) is read; convert the file to type C");
             return Err(numbers.error(what));
         }

@@ -212,7 +212,11 @@ impl Band {
         for _ in 0..53 {
             let (value, slope, curvature) = self.up_to(h);
             let excess = value - lumens;
-            if excess > 0.0 { high = h } else { low = h }
+            if excess > 0.0 {
+                high = h
+            } else {
+                low = h
+            }
             let halley = h - 2.0 * excess * slope / (2.0 * slope * slope - excess * curvature);
             let next = if low <= halley && halley <= high { halley } else { 0.5 * (low + high) };
             let moved = (next - h).abs();

@@ -41,7 +41,11 @@ fn duvet() -> Solid {
             let angle = (over / ROUND).min(std::f64::consts::FRAC_PI_2);
             let down = (over - ARC).max(0.0);
             // Down fills it unevenly: the upper side waves.
-            let wave = if p.z > 0.0 && over == 0.0 { 0.012 * (5.0 * p.x + 3.0 * p.y).sin() * (4.0 * p.y - 2.0 * p.x).cos() } else { 0.0 };
+            let wave = if p.z > 0.0 && over == 0.0 {
+                0.012 * (5.0 * p.x + 3.0 * p.y).sin() * (4.0 * p.y - 2.0 * p.x).cos()
+            } else {
+                0.0
+            };
             let r = ROUND + p.z;
             let y = p.y.signum() * (p.y.abs().min(FLAT) + if over > 0.0 { r * angle.sin() } else { 0.0 });
             v(p.x, y, TOP - ROUND + r * angle.cos() - down + wave)

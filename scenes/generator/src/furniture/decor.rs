@@ -74,10 +74,7 @@ pub fn vase(name: &str, h: f64) -> Mesh {
 pub fn door() -> Mesh {
     const PAINT: &str = "door paint";
     let (back, front) = (-0.04, 0.0);
-    let mut s = vec![
-        bar(PAINT, [back, front], [0.0, 0.11], [0.0, 2.0]),
-        bar(PAINT, [back, front], [0.69, 0.8], [0.0, 2.0]),
-    ];
+    let mut s = vec![bar(PAINT, [back, front], [0.0, 0.11], [0.0, 2.0]), bar(PAINT, [back, front], [0.69, 0.8], [0.0, 2.0])];
     for z in [[0.0, 0.2], [0.85, 1.0], [1.88, 2.0]] {
         s.push(bar(PAINT, [back + 0.0001, front - 0.0001], [0.1101, 0.6899], z));
     }
@@ -85,7 +82,12 @@ pub fn door() -> Mesh {
         s.push(bar(PAINT, [back + 0.013, front - 0.013], [0.1102, 0.6898], z));
     }
     // Rose and lever, on the room's side only: the wall is behind.
-    s.push(lathe(&[(0.024, 0.0), (0.024, 0.006), (0.009, 0.0061), (0.009, 0.05)], 7).turn_y(90.0).at(v(front + 0.0001, 0.745, 0.94)).of("brass"));
+    s.push(
+        lathe(&[(0.024, 0.0), (0.024, 0.006), (0.009, 0.0061), (0.009, 0.05)], 7)
+            .turn_y(90.0)
+            .at(v(front + 0.0001, 0.745, 0.94))
+            .of("brass"),
+    );
     s.push(tube(&[v(0.042, 0.752, 0.94), v(0.042, 0.69, 0.94), v(0.038, 0.625, 0.937)], v(0.0, 0.0, 1.0), 0.008, 5).of("brass"));
     Mesh::new("door", s)
 }
@@ -106,7 +108,8 @@ pub fn picture(name: &str, w: f64, h: f64, bands: [&'static str; 3]) -> Mesh {
         let low = -z + 2.0 * z * i as f64 / 3.0;
         let high = low + 2.0 * z / 3.0 - 0.0001;
         let hill = grid_box(&steps(-x, x, 3), &[0.0101, 0.013], &[0.0, 1.0]).map(|p| {
-            let line = |k: usize, z0: f64| if k % 3 == 0 { z0 } else { z0 + 0.12 * z * (p.x / x * (2.0 + k as f64) + k as f64).sin() };
+            let line =
+                |k: usize, z0: f64| if k % 3 == 0 { z0 } else { z0 + 0.12 * z * (p.x / x * (2.0 + k as f64) + k as f64).sin() };
             let (a, b) = (line(i, low), line(i + 1, high));
             v(p.x, p.y, a + (b - a) * p.z)
         });

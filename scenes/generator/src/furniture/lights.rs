@@ -14,7 +14,8 @@ fn shade(a: f64, low: f64, b: f64, high: f64) -> Solid {
 
 /// A floor lamp whose stem bows over; the shade hangs at [`READING`].
 pub fn floor_lamp() -> Mesh {
-    let bow: [(f64, f64); 8] = [(0.0, 0.03), (0.0, 0.47), (0.0, 0.91), (0.0, 1.35), (0.08, 1.58), (0.27, 1.69), (0.42, 1.66), (0.46, 1.575)];
+    let bow: [(f64, f64); 8] =
+        [(0.0, 0.03), (0.0, 0.47), (0.0, 0.91), (0.0, 1.35), (0.08, 1.58), (0.27, 1.69), (0.42, 1.66), (0.46, 1.575)];
     let path: Vec<_> = bow.map(|(x, z)| v(x, 0.0, z)).to_vec();
     let s = vec![
         lathe(&[(0.15, 0.0), (0.14, 0.03)], 16).of("black steel"),

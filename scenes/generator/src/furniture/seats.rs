@@ -57,7 +57,11 @@ pub fn sofa() -> Mesh {
         }
     }
     for x in [-0.545, 0.0, 0.545] {
-        s.push(puffed(cut_soft_block(v(-0.27, -0.26, 0.271), v(0.27, 0.45, 0.42), 0.04, [2, 2, 1]), 0.27, 0.42).at(v(x, 0.0, 0.0)).of(CLOTH));
+        s.push(
+            puffed(cut_soft_block(v(-0.27, -0.26, 0.271), v(0.27, 0.45, 0.42), 0.04, [2, 2, 1]), 0.27, 0.42)
+                .at(v(x, 0.0, 0.0))
+                .of(CLOTH),
+        );
         let back = puffed(cut_soft_block(v(-0.268, -0.24, 0.0), v(0.268, 0.22, 0.17), 0.05, [2, 1, 1]), 0.268, 0.17);
         // Laid flat, then stood up and leant against the back.
         s.push(back.turn_x(102.0).at(v(x, -0.21, 0.671)).of(CLOTH));

@@ -104,7 +104,8 @@ pub fn books(name: &str, seed: u64, length: f64) -> Mesh {
 
 /// Three books that lie on each other, the middle of the pile at the origin.
 pub fn lying_books() -> Mesh {
-    let sizes = [("book green", 0.24, 0.17, 0.032, 0.0), ("book red", 0.21, 0.15, 0.026, 9.0), ("book cream", 0.18, 0.125, 0.02, -6.0)];
+    let sizes =
+        [("book green", 0.24, 0.17, 0.032, 0.0), ("book red", 0.21, 0.15, 0.026, 9.0), ("book cream", 0.18, 0.125, 0.02, -6.0)];
     let mut z = 0.0;
     let mut solids = Vec::new();
     for (cover, w, d, h, turn) in sizes {

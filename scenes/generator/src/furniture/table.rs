@@ -26,9 +26,7 @@ pub fn table() -> Mesh {
 
 /// A cup with a handle, 8 cm wide and 9 cm high; hollow, its handle towards +x.
 pub fn cup() -> Mesh {
-    let wall = [
-        (0.026, 0.0), (0.037, 0.022), (0.041, 0.09), (0.0375, 0.09), (0.0335, 0.024), (0.02, 0.008),
-    ];
+    let wall = [(0.026, 0.0), (0.037, 0.022), (0.041, 0.09), (0.0375, 0.09), (0.0335, 0.024), (0.02, 0.008)];
     let handle = [(0.038, 0.074), (0.06, 0.073), (0.064, 0.05), (0.036, 0.03)];
     let path: Vec<_> = handle.iter().map(|&(x, z)| v(x, 0.0, z)).collect();
     Mesh::new("cup", vec![lathe(&wall, 10).of("china"), tube(&path, v(0.0, 1.0, 0.0), 0.0045, 4).of("china")])

@@ -1,0 +1,80 @@
+//! Ctrl-C keeps what is done.
+
+use crate::desk::Desk;
+use std::{
+    process::{Child, Command, Stdio},
+    thread::sleep,
+    time::{Duration, Instant},
+};
+
+/// Far more than an interrupted run needs, even beside other work; far less than the whole run.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Starts a run that writes into the folder `out`, waits until it is under way, presses Ctrl-C and waits for its end.
+/// Returns its status, standard output and standard error.
+fn interrupted(desk: &Desk, arguments: &str) -> (Option<i32>, String, String) {
+    let mut child = desk.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program runs");
+    // Ctrl-C is listened for before the folder is made.
+    until(&mut child, |_| desk.path("out").is_dir());
+    sleep(Duration::from_millis(300));
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(kill.success());
+    until(&mut child, |child| child.try_wait().expect("the program can be waited for").is_some());
+    let output = child.wait_with_output().expect("the program has ended");
+    let text = |bytes| String::from_utf8(bytes).expect("the program prints UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn until(child: &mut Child, done: impl Fn(&mut Child) -> bool) {
+    let start = Instant::now();
+    while !done(child) {
+        if start.elapsed() > PATIENCE {
+            let _ = child.kill();
+            panic!("still waiting after {PATIENCE:?}");
+        }
+        sleep(Duration::from_millis(20));
+    }
+}
+
+fn no_half_file(desk: &Desk) {
+    let parts: Vec<_> = desk.content().into_keys().filter(|p| p.extension().is_some_and(|e| e == "part")).collect();
+    assert!(parts.is_empty(), "{parts:?}");
+}
+
+#[test]
+fn solve_keeps_its_photons() {
+    let desk = Desk::new();
+    let (status, stdout, stderr) = interrupted(&desk, "solve cornell.ron --photons 2000000000 --out out --dump dump.tsv --json");
+    assert_eq!(status, Some(1), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted; "), "{stderr}");
+    let summary = desk.json("out/summary.json");
+    assert_eq!(summary["interrupted"], true);
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&stdout).expect("one JSON document"), summary);
+    assert!(desk.path("out/front.png").is_file());
+    no_half_file(&desk);
+    // What was kept is the whole truth about that many photons.
+    let photons = summary["photons"].as_u64().expect("a number");
+    assert!(photons > 0 && photons < 2_000_000_000);
+    desk.done(&format!("solve cornell.ron --photons {photons} --quiet --dump again.tsv"));
+    assert!(desk.read("again.tsv") == desk.read("dump.tsv"), "{photons} photons");
+}
+
+#[test]
+fn replay_keeps_whole_edits() {
+    let desk = Desk::new();
+    let there_and_back =
+        ["Move(object: \"short box\", to: (1.5, 0.45, 0.0))", "Move(object: \"short box\", to: (1.32, 0.68, 0.0))"];
+    desk.moves(&there_and_back.repeat(200));
+    let (status, _, stderr) =
+        interrupted(&desk, "replay cornell.ron --photons 200000 --orders stateless --script m.ron --out out --quiet");
+    assert_eq!(status, Some(1), "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
+    no_half_file(&desk);
+    // Either the initial light was not yet done, and nothing is kept, or the edits so far are.
+    if desk.path("out/summary.json").exists() {
+        let summary = desk.json("out/summary.json");
+        assert_eq!(summary["interrupted"], true);
+        assert!(summary["edits"].as_array().expect("edits").len() < 400);
+    }
+}

@@ -1,0 +1,14 @@
+//! The program as its users meet it: what it writes, what it prints, with which status it ends.
+//!
+//! Every test runs the real binary in a folder of its own that holds the Cornell box.
+
+mod bad_arguments;
+mod bad_moves;
+mod bad_output;
+mod bad_points;
+mod bad_scene;
+mod desk;
+mod import;
+mod interrupt;
+mod invariants;
+mod printed;
