@@ -4,8 +4,8 @@
 //! what the buckets hold is what is seen.
 
 use crate::{failure::Failure, output};
-use glam::{DVec3, Vec3};
-use lightmend_photon::{bucket::Buckets, irradiance::Scale, path, probe, triangle::Ray, world::World};
+use glam::DVec3;
+use lightmend_photon::{bucket::Buckets, irradiance::Scale, path, probe, visible::Lens, world::World};
 use lightmend_scene::{Direct, View, luminance};
 use rayon::prelude::*;
 use std::path::Path;
@@ -27,14 +27,7 @@ pub fn write(path: &Path, world: &World, buckets: &Buckets, scale: &Scale, view:
 }
 
 fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<DVec3> {
-    let up = match world.scene().up {
-        lightmend_scene::Up::Y => DVec3::Y,
-        lightmend_scene::Up::Z => DVec3::Z,
-    };
-    let forward = (view.target - view.eye).normalize();
-    let right = forward.cross(up).try_normalize().unwrap_or(DVec3::X);
-    let above = right.cross(forward);
-    let half = (view.fov.to_radians() / 2.0).tan();
+    let lens = Lens::new(view, world.scene().up);
     (0..HEIGHT * WIDTH)
         .into_par_iter()
         .map(|pixel| {
@@ -42,35 +35,24 @@ fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<D
             for sample in 0..GRID * GRID {
                 let x = f64::from(pixel % WIDTH) + (f64::from(sample % GRID) + 0.5) / f64::from(GRID);
                 let y = f64::from(pixel / WIDTH) + (f64::from(sample / GRID) + 0.5) / f64::from(GRID);
-                let (x, y) =
-                    ((2.0 * x - f64::from(WIDTH)) / f64::from(HEIGHT) * half, (1.0 - 2.0 * y / f64::from(HEIGHT)) * half);
-                sum += radiance(world, buckets, scale, view.eye, (forward + right * x + above * y).as_vec3());
+                let (x, y) = ((2.0 * x - f64::from(WIDTH)) / f64::from(HEIGHT), 1.0 - 2.0 * y / f64::from(HEIGHT));
+                sum += radiance(world, buckets, scale, &lens, x, y);
             }
             sum / f64::from(GRID * GRID)
         })
         .collect()
 }
 
-/// Radiance that arrives at `eye` against `direction`; objects hidden from cameras are looked through.
-fn radiance(world: &World, buckets: &Buckets, scale: &Scale, eye: DVec3, direction: Vec3) -> DVec3 {
+/// Radiance that arrives at (x, y) of the picture.
+fn radiance(world: &World, buckets: &Buckets, scale: &Scale, lens: &Lens, x: f64, y: f64) -> DVec3 {
     let scene = world.scene();
-    let mut ray = Ray::new(eye.as_vec3(), direction, None, 0.0);
-    let hit = loop {
-        match world.nearest(&ray) {
-            None => return DVec3::ZERO,
-            Some(hit) if scene.objects[hit.triangle.object()].hidden_from_camera => {
-                ray = Ray::new(hit.triangle.point(hit.weights), direction, Some(hit.triangle), world.reach().step_back());
-            }
-            Some(hit) => break hit,
-        }
-    };
+    let Some((hit, direction)) = lens.see(world, x, y) else { return DVec3::ZERO };
     let (object, t) = (hit.triangle.object(), hit.triangle.in_mesh());
     let normal = hit.triangle.normal();
     let back = normal.dot(direction) > 0.0;
     let normal = (if back { -normal } else { normal }).as_dvec3();
-    let lattice = &scene.objects[object].lattice;
-    let cell = path::cell(world, &hit);
-    let from_photons = scale.irradiance(buckets, object, cell, usize::from(back), lattice.area_in(t)).value;
+    let area = scene.objects[object].lattice.area_in(t);
+    let from_photons = scale.irradiance(buckets, object, path::cell(world, &hit), usize::from(back), area).value;
     let point = hit.triangle.point(hit.weights).as_dvec3();
     let direct = probe::direct_of(world, point, normal, |lamp| scene.lamps[lamp].direct == Direct::Rasteriser);
     path::reflectance(world, &hit).as_dvec3() * (from_photons + direct) / std::f64::consts::PI

@@ -90,7 +90,7 @@ fn read_points(path: &Path) -> Result<Points, Failure> {
         let v = values.map_err(|_| fault("not six numbers"))?;
         let [x, y, z, nx, ny, nz] = v[..] else { return Err(fault("not six numbers")) };
         let (point, normal) = (DVec3::new(x, y, z), DVec3::new(nx, ny, nz));
-        if !point.is_finite() || !((normal.length() - 1.0).abs() < 1e-3) {
+        if !point.is_finite() || !normal.is_finite() || (normal.length() - 1.0).abs() >= 1e-3 {
             return Err(fault("the normal must have length 1 and all must be numbers"));
         }
         points.push((number, (point, normal.normalize())));

@@ -4,7 +4,7 @@
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]). A [`pool`] of photons is shot and, after edits,
 //! repaired group by group ([`solution`]: Algorithm 1 of Dmitriev et al. 2002), in the background ([`solver`]) or as an
-//! experiment, order against order ([`recovery`]).
+//! experiment, order against order ([`recovery`], [`drag`], seen by a camera: [`visible`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
 //!
@@ -25,6 +25,7 @@
 pub mod body;
 mod boxes;
 pub mod bucket;
+pub mod drag;
 pub mod emission;
 pub mod halton;
 mod hash;
@@ -37,4 +38,5 @@ pub mod sampling;
 pub mod solution;
 pub mod solver;
 pub mod triangle;
+pub mod visible;
 pub mod world;

@@ -155,19 +155,24 @@ impl Solution {
         self.pasts.iter().filter(|past| !past.changed.is_empty()).map(|past| past.groups).sum()
     }
 
+    /// The groups that hold phantoms, in order.
+    pub fn stale(&self) -> impl Iterator<Item = GroupId> + '_ {
+        (0..self.pool.groups()).map(GroupId).filter(|g| self.is_stale(g.0 as usize))
+    }
+
     /// The stale group of highest priority; among equals the first.
-    fn most_urgent(&self) -> Option<GroupId> {
-        let stale = (0..self.past_of.len()).filter(|g| self.is_stale(*g));
-        let best = stale.fold(None, |best: Option<usize>, g| match best {
-            Some(b) if self.priority[b] >= self.priority[g] => best,
-            _ => Some(g),
-        });
-        best.map(|g| GroupId(g as u32))
+    pub fn most_urgent(&self) -> Option<GroupId> {
+        let priority = |g: &GroupId| self.priority[g.0 as usize];
+        self.stale().reduce(|best, g| if priority(&g) > priority(&best) { g } else { best })
     }
 
     /// Brings the most urgent stale group up to date. `None` if none is stale. Which group comes next depends on state alone.
     pub fn repair_next(&mut self) -> Option<Repaired> {
-        let group = self.most_urgent()?;
+        self.most_urgent().map(|group| self.repair(group))
+    }
+
+    /// Brings one group up to date.
+    pub fn repair(&mut self, group: GroupId) -> Repaired {
         let past = self.pasts[self.past_of[group.0 as usize] as usize].clone();
         let photons: Vec<PhotonIndex> = self.pool.photons_of(group).collect();
         let (work, touched) = self.reshoot(&past.world, &past.changed, &photons);
@@ -177,7 +182,7 @@ impl Solution {
             }
         }
         self.settle(group);
-        Some(Repaired { group, work })
+        Repaired { group, work }
     }
 
     /// A pilot that resembles the photons of `group` met something that changed: Δp = 1 if that group is stale on its account.
@@ -285,6 +290,11 @@ impl Shooting {
 
     /// How many photons to shoot between two looks at the clock.
     pub const SLAB: u64 = CLASSES * 256;
+
+    /// What is shot at.
+    pub fn world(&self) -> &Arc<World> {
+        &self.world
+    }
 
     /// The light so far.
     pub fn buckets(&self) -> &Buckets {

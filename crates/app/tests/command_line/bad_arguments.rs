@@ -30,7 +30,7 @@ fn pool_smaller_than_its_groups() {
 fn impossible_numbers() {
     let desk = Desk::new();
     for seconds in ["-1", "0", "nan", "inf", "soon"] {
-        desk.refuses(&format!("solve cornell.ron --seconds {seconds}"), &["--seconds", seconds]);
+        desk.refuses(&format!("solve cornell.ron --seconds {seconds}"), &["--seconds"]);
     }
     desk.refuses("solve cornell.ron --seconds 1 --photons 20000", &["--seconds", "--photons"]);
     desk.refuses("solve cornell.ron --threads 0", &["--threads", "'0'"]);

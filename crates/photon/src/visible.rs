@@ -1,0 +1,85 @@
+//! What a camera sees of an error: the measure in which outdated light is outstanding.
+//!
+//! Visible error is the RMS over the camera's pixels of the difference of irradiance from the drained state, over the RMS of the
+//! drained state. The camera looks at the drained world.
+
+use crate::{bucket::Buckets, irradiance::Scale, path, triangle::Ray, world::World};
+use glam::{DVec3, Vec3};
+use lightmend_scene::{Up, View};
+use rayon::prelude::*;
+
+/// Through the pixel at (x, y), each from −1 to 1 over the picture's height; x to the right, y up.
+pub struct Lens {
+    eye: Vec3,
+    forward: DVec3,
+    right: DVec3,
+    above: DVec3,
+}
+
+impl Lens {
+    /// A camera's lens; `up` is the scene's.
+    pub fn new(view: &View, up: Up) -> Lens {
+        let up = match up {
+            Up::Y => DVec3::Y,
+            Up::Z => DVec3::Z,
+        };
+        let forward = (view.target - view.eye).normalize();
+        // Straight up or down, any direction may be to the right.
+        let right = forward.cross(up).try_normalize().unwrap_or(DVec3::X);
+        let half = (view.fov.to_radians() / 2.0).tan();
+        Lens { eye: view.eye.as_vec3(), forward, right: right * half, above: right.cross(forward) * half }
+    }
+
+    /// The first surface seen at (x, y) that is not hidden from cameras, and the direction looked in.
+    pub fn see<'w>(&self, world: &'w World, x: f64, y: f64) -> Option<(crate::triangle::Hit<'w>, Vec3)> {
+        let direction = (self.forward + self.right * x + self.above * y).as_vec3();
+        let mut ray = Ray::new(self.eye, direction, None, 0.0);
+        loop {
+            let hit = world.nearest(&ray)?;
+            if !world.scene().objects[hit.triangle.object()].hidden_from_camera {
+                return Some((hit, direction));
+            }
+            ray = Ray::new(hit.triangle.point(hit.weights), direction, Some(hit.triangle), world.reach().step_back());
+        }
+    }
+}
+
+/// The element sides that a camera sees, each as often as it has pixels.
+pub struct Visible {
+    /// Object, cell, side, area of the cell in m².
+    pixels: Vec<(usize, u32, usize, f64)>,
+}
+
+/// Pixels of the item buffer: enough that an element of a few per cent of the picture counts as it should.
+const WIDTH: u32 = 320;
+const HEIGHT: u32 = 240;
+
+impl Visible {
+    /// Casts a ray per pixel of a 320 × 240 picture.
+    pub fn new(world: &World, view: &View) -> Visible {
+        let lens = Lens::new(view, world.scene().up);
+        let see = |pixel: u32| {
+            let x = (2.0 * f64::from(pixel % WIDTH) + 1.0 - f64::from(WIDTH)) / f64::from(HEIGHT);
+            let y = 1.0 - (2.0 * f64::from(pixel / WIDTH) + 1.0) / f64::from(HEIGHT);
+            let (hit, direction) = lens.see(world, x, y)?;
+            let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal().dot(direction) > 0.0));
+            let area = world.scene().objects[object].lattice.area_in(hit.triangle.in_mesh());
+            Some((object, path::cell(world, &hit), side, area))
+        };
+        let mut pixels: Vec<_> = (0..WIDTH * HEIGHT).into_par_iter().filter_map(see).collect();
+        pixels.sort_by_key(|p| (p.0, p.1, p.2));
+        Visible { pixels }
+    }
+
+    /// Visible error of `light` against `drained`; 0 if nothing is seen. Both pools have the same size.
+    pub fn error(&self, light: &Buckets, drained: &Buckets, scale: &Scale) -> f64 {
+        let (mut error, mut reference) = (0.0, 0.0);
+        for (object, cell, side, area) in &self.pixels {
+            let now = scale.irradiance(light, *object, *cell, *side, *area).value;
+            let right = scale.irradiance(drained, *object, *cell, *side, *area).value;
+            error += (now - right).length_squared();
+            reference += right.length_squared();
+        }
+        if reference > 0.0 { (error / reference).sqrt() } else { 0.0 }
+    }
+}
