@@ -81,12 +81,10 @@ pub struct Recovery {
     pub solution: Solution,
 }
 
-impl Recovery {
-    /// The first moment at which `share` (0 to 1) of the relevant photons was repaired.
-    pub fn reached(&self, share: f64, relevant: u64) -> Moment {
-        let wanted = (share * relevant as f64).ceil() as u64;
-        self.moments[self.moments.partition_point(|m| m.repaired < wanted).min(self.moments.len() - 1)]
-    }
+/// The first moment at which `share` (0 to 1) of the relevant photons was repaired; the last if none was relevant.
+pub fn reached(moments: &[Moment], share: f64, relevant: u64) -> Moment {
+    let wanted = (share * relevant as f64).ceil() as u64;
+    moments[moments.partition_point(|m| m.repaired < wanted).min(moments.len() - 1)]
 }
 
 /// Photons between two moments of orders without groups.

@@ -1,22 +1,19 @@
 //! `lightmend replay`: after each scripted edit, repair the light in several orders and say what each order cost.
 
-use crate::{
-    Common, PoolArguments,
-    failure::Failure,
-    figure,
-    output::{self, say},
-    progress,
-};
+mod drag;
+mod report;
+
+use crate::{Common, PoolArguments, failure::Failure, output, progress};
 use lightmend_photon::{
     body::TreePreset,
     path::FirstHits,
-    recovery::{Moment, Order, Recovery, Relevant, recover},
+    recovery::{Moment, Order, Relevant, recover},
     solution::Solution,
     world::World,
 };
-use lightmend_scene::{Configuration, Moves, ScriptedEdit};
-use serde_json::{Map, Value, json};
-use std::{io::Write, path::PathBuf, sync::Arc};
+use lightmend_scene::{Configuration, Moves, ScriptedEdit, TimedEdit};
+use serde_json::json;
+use std::{path::PathBuf, sync::Arc};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -25,7 +22,7 @@ pub struct Arguments {
     /// Moves file
     #[arg(long, value_name = "MOVES")]
     script: PathBuf,
-    /// Folder for recovery.csv, recovery.svg, recovery.png and summary.json
+    /// Folder for recovery.csv, .svg and .png, for the same of drag if the script has a drag, and for summary.json
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -36,6 +33,9 @@ pub struct Arguments {
     /// Write the integer buckets after the last edit
     #[arg(long, value_name = "FILE")]
     dump: Option<PathBuf>,
+    /// Rays traced per frame while a drag is played step by step
+    #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
+    work: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -63,9 +63,10 @@ impl OrderArgument {
 pub struct Track {
     /// The order's name.
     pub order: &'static str,
-    /// Its course.
-    pub recovery: Recovery,
-    bit_equal: bool,
+    /// Its course, the edit first.
+    pub moments: Vec<Moment>,
+    /// Whether it ended with the bits of a fresh solution.
+    pub bit_equal: bool,
 }
 
 /// One edit and how every order recovered from it.
@@ -78,17 +79,19 @@ pub struct Chapter {
     pub photons: u64,
     /// The orders.
     pub tracks: Vec<Track>,
+    /// The edit step by step, if it is a drag.
+    pub drag: Option<drag::Drag>,
+    /// When its last step is done, seconds since its first.
+    pub last_step: f64,
 }
 
 impl Chapter {
     /// Rays of the oracle, the unit of comparison, if it ran.
     pub fn oracle_rays(&self) -> Option<u64> {
         let oracle = self.tracks.iter().find(|t| t.order == "oracle")?;
-        oracle.recovery.moments.last().map(|m| m.work.rays).filter(|r| *r > 0)
+        oracle.moments.last().map(|m| m.work.rays).filter(|r| *r > 0)
     }
 }
-
-const SHARES: [(&str, f64); 4] = [("50", 0.5), ("90", 0.9), ("99", 0.99), ("100", 1.0)];
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
@@ -97,7 +100,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = common.read_scene(&arguments.scene)?;
     let moves = Moves::read(&arguments.script, &scene)?;
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let files = ["recovery.csv", "recovery.svg", "recovery.png", "summary.json"].map(String::from);
+    let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "summary.json"];
+    let files = files.map(String::from);
     let out = output::folder(&arguments.out, &files)?;
     let mut orders = Vec::new();
     for order in &arguments.orders {
@@ -112,33 +116,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut chapters = Vec::new();
     for (number, timed) in moves.edits.iter().enumerate() {
         configuration = configuration.apply(&timed.edit.last())?;
-        let title = title(&timed.edit);
-        match chapter(&drained, &configuration, &orders, format!("edit {number}: {title}"), common.quiet)? {
-            Some((chapter, fresh)) => {
-                if common.talks() {
-                    print_chapter(&chapter);
-                }
-                chapters.push(chapter);
-                drained = fresh;
-            }
-            None => break, // interrupted: what is done is kept
+        let Some((mut chapter, fresh)) = chapter(&drained, &configuration, &orders, number, timed, common.quiet)? else {
+            break; // interrupted: what is done is kept
+        };
+        if matches!(timed.edit, ScriptedEdit::Drag { .. }) {
+            chapter.drag = drag::play(&moves, timed, &drained, &fresh, arguments.work, &orders, common.quiet)?;
         }
+        if common.talks() {
+            report::print(&chapter);
+        }
+        chapters.push(chapter);
+        drained = fresh;
     }
 
-    output::write(&out.join("recovery.csv"), |file| write_csv(file, &chapters))?;
-    figure::recovery(&out, &scene.name, &chapters)?;
-    let threads = rayon::current_num_threads();
-    let edits: Vec<Value> = chapters.iter().enumerate().map(|(n, c)| chapter_json(n, c)).collect();
     let summary = json!({
-        "scene": scene.name, "photons": pool.photons(), "threads": threads, "ng": arguments.pool.ng, "r": arguments.pool.r,
-        "cells": scene.cells(), "interrupted": progress::interrupted(), "edits": edits,
+        "scene": scene.name, "photons": pool.photons(), "threads": rayon::current_num_threads(),
+        "ng": arguments.pool.ng, "r": arguments.pool.r, "work": arguments.work, "cells": scene.cells(),
+        "interrupted": progress::interrupted(), "edits": report::json(&chapters),
     });
+    report::write(&out, &scene.name, &chapters, arguments.work, common)?;
     output::json(Some(&out.join("summary.json")), &summary, common.json)?;
     if let Some(path) = &arguments.dump {
         output::write(path, |file| drained.buckets().dump(&scene, file))?;
-    }
-    if common.talks() {
-        say(&format!("figure: {}", out.join("recovery.png").display()));
     }
     if chapters.iter().flat_map(|c| &c.tracks).any(|t| !t.bit_equal) {
         return Err(Failure::failed("a repaired solution differs from a fresh one: this is a bug in Lightmend"));
@@ -172,13 +171,15 @@ fn chapter(
     drained: &Solution,
     configuration: &Configuration,
     orders: &[OrderArgument],
-    title: String,
+    number: usize,
+    timed: &TimedEdit,
     quiet: bool,
 ) -> Result<Option<(Chapter, Solution)>, Failure> {
     let pool = *drained.pool();
+    let title = format!("edit {number}: {}", title(&timed.edit));
     let after = Arc::new(drained.world().moved_to(configuration));
     let relevant = Relevant::find(&pool, drained.rules(), drained.world(), &after);
-    let mut tracks = Vec::new();
+    let mut recoveries = Vec::new();
     for (order, name) in orders.iter().map(|o| o.order()) {
         let bar = progress::bar(1000, &format!("{title}, {name}"), quiet);
         let recovery = recover(drained, &after, order, &relevant, FirstHits::AsLampsSay, &mut |share| {
@@ -187,75 +188,21 @@ fn chapter(
         });
         bar.finish_and_clear();
         let Some(recovery) = recovery else { return Ok(None) };
-        tracks.push(Track { order: name, recovery, bit_equal: false });
+        recoveries.push((name, recovery));
     }
     // The judge starts from nothing, with other trees.
     let fresh_world = Arc::new(World::new(configuration, TreePreset::Fast));
     let Ok(fresh) = shoot(&pool, fresh_world, "fresh solution", quiet) else { return Ok(None) };
-    for track in &mut tracks {
-        let solution = &track.recovery.solution;
-        track.bit_equal = solution.buckets() == fresh.buckets() && solution.tallies() == fresh.tallies();
-    }
-    let chapter = Chapter { title, relevant: relevant.count(), photons: pool.photons(), tracks };
-    Ok(Some((chapter, fresh)))
-}
-
-fn print_chapter(chapter: &Chapter) {
-    let share = chapter.relevant as f64 / chapter.photons as f64 * 100.0;
-    say(&format!("\n{}: {} relevant photons ({share:.3} %)", chapter.title, chapter.relevant));
-    let unit = chapter.oracle_rays();
-    say(&format!(
-        "{:<10} {:>36}  {:>8}  bits",
-        "order",
-        if unit.is_some() { "rays to 50/90/99/100 %, × oracle" } else { "rays to 50/90/99/100 %" },
-        "seconds"
-    ));
-    for track in &chapter.tracks {
-        let multiples: Vec<String> = SHARES
-            .iter()
-            .map(|(_, share)| {
-                let rays = track.recovery.reached(*share, chapter.relevant).work.rays as f64;
-                unit.map_or(format!("{rays}"), |u| format!("{:.2}", rays / (u as f64 * share)))
-            })
-            .collect();
-        let seconds = track.recovery.moments.last().map_or(0.0, |m| m.seconds);
-        let bits = if track.bit_equal { "equal" } else { "DIFFER" };
-        say(&format!("{:<10} {:>36}  {seconds:>8.2}  {bits}", track.order, multiples.join(" / ")));
-    }
-}
-
-fn chapter_json(number: usize, chapter: &Chapter) -> Value {
-    let orders: Map<String, Value> = chapter
-        .tracks
-        .iter()
-        .map(|track| {
-            let of = |value: fn(&Moment) -> Value| -> Map<String, Value> {
-                SHARES.iter().map(|(name, share)| (name.to_string(), value(&track.recovery.reached(*share, chapter.relevant)))).collect()
-            };
-            let value = json!({
-                "photons": of(|m| m.work.photons.into()), "rays": of(|m| m.work.rays.into()), "seconds": of(|m| m.seconds.into()),
-                "drained": track.recovery.moments.last().map(|m| json!({ "photons": m.work.photons, "rays": m.work.rays, "seconds": m.seconds })),
-                "bit_equal_to_fresh": track.bit_equal,
-            });
-            (track.order.to_owned(), value)
+    let tracks = recoveries
+        .into_iter()
+        .map(|(order, recovery)| {
+            let solution = &recovery.solution;
+            let bit_equal = solution.buckets() == fresh.buckets() && solution.tallies() == fresh.tallies();
+            Track { order, moments: recovery.moments, bit_equal }
         })
         .collect();
-    json!({ "edit": number, "title": chapter.title, "relevant_photons": chapter.relevant, "orders": orders })
-}
-
-fn write_csv(out: &mut impl Write, chapters: &[Chapter]) -> std::io::Result<()> {
-    writeln!(out, "edit,order,photons,rays,seconds,repaired,relevant")?;
-    for (number, chapter) in chapters.iter().enumerate() {
-        for track in &chapter.tracks {
-            for m in &track.recovery.moments {
-                let Moment { work, seconds, repaired } = m;
-                writeln!(
-                    out,
-                    "{number},{},{},{},{seconds:.6},{repaired},{}",
-                    track.order, work.photons, work.rays, chapter.relevant
-                )?;
-            }
-        }
-    }
-    Ok(())
+    let steps = timed.edit.steps(drained.world().configuration())?;
+    let last_step = steps.last().map_or(0.0, |(at, _)| at - steps[0].0);
+    let chapter = Chapter { title, relevant: relevant.count(), photons: pool.photons(), tracks, drag: None, last_step };
+    Ok(Some((chapter, fresh)))
 }
