@@ -1,7 +1,7 @@
 //! The whole solver against closed forms.
 
 use glam::DVec3;
-use lightmend_photon::{irradiance::Scale, path::FirstHits};
+use lightmend_photon::{irradiance::Scale, path::FirstHits, probe};
 use lightmend_tests::{Builder, count, pool, shoot, sphere, world};
 
 /// Area-weighted mean direct and indirect irradiance of a sphere, and the photon hits of every element.
@@ -206,4 +206,32 @@ fn photons_leave_a_lamp_as_its_photometric_file_says() {
             assert!((got - expected).abs() < 4.0 * standard_error + 1e-3 * expected, "{}: {got} for {expected}", file.display());
         }
     }
+}
+
+#[test]
+fn coincident_surfaces_share_the_light_of_their_place() {
+    // Regression: where two walls lie in one another, rounding decides which one a photon meets; a probe that read only the one it
+    // found was up to a third too dark. The second floor is the first one cut along the other diagonal.
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.37);
+    let points = vec![corner(0.0, 0.0), corner(1.9, 0.1), corner(2.0, 2.1), corner(-0.1, 2.0)];
+    let floor = |b: Builder, name: &str, triangles| b.object(name, 0.5, points.clone(), triangles);
+    let walls = Builder::default().cuboid("room", 0.5, [-1.0, -1.0, 0.0], [3.0, 3.0, 2.0], true).lamp([1.0, 1.0, 1.5], 100.0);
+    let single = floor(walls, "floor", vec![[0, 1, 2], [0, 2, 3]]);
+    let walls = Builder::default().cuboid("room", 0.5, [-1.0, -1.0, 0.0], [3.0, 3.0, 2.0], true).lamp([1.0, 1.0, 1.5], 100.0);
+    let double = floor(floor(walls, "floor", vec![[0, 1, 2], [0, 2, 3]]), "twin", vec![[1, 2, 3], [1, 3, 0]]);
+    let photons = 1_000_000;
+    let read = |builder: Builder| {
+        let scene = builder.build(&[]);
+        let world = world(&scene);
+        let solution = shoot(pool(photons), &world, FirstHits::Never);
+        let scale = Scale::new(&scene, solution.rules(), photons);
+        // One point in each of the four triangles that both cuts make; together they weigh all elements.
+        [(1.0, 0.5), (1.5, 1.0), (1.0, 1.6), (0.4, 1.0)]
+            .map(|(x, y)| probe::locate(&world, corner(x, y), DVec3::Z).unwrap())
+            .map(|place| probe::read(&world, solution.buckets(), &scale, &place).indirect.value.x)
+            .iter()
+            .sum::<f64>()
+    };
+    let (one, two) = (read(single), read(double));
+    assert!((two / one - 1.0).abs() < 0.03, "one floor {one}, two in one another {two}");
 }

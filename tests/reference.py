@@ -162,7 +162,12 @@ def main():
     if arguments.reference is None:
         sys.exit("no reference: give its folder, or set LIGHTMEND_REFERENCE")
     with tempfile.TemporaryDirectory() as temporary:
-        compare(arguments, Path(arguments.reference), Path(arguments.out or temporary))
+        try:
+            compare(arguments, Path(arguments.reference), Path(arguments.out or temporary))
+        except subprocess.CalledProcessError as error:  # It has said why.
+            sys.exit(f"{arguments.lightmend} {error.cmd[1]} failed with status {error.returncode}")
+        except OSError as error:
+            sys.exit(str(error))
 
 
 def compare(arguments, reference_folder, out):
@@ -170,7 +175,10 @@ def compare(arguments, reference_folder, out):
           "| its noise | RMS % of mean | its noise | within 3, % |")
     print("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|")
     for name in arguments.scenes:
-        for json_path in sorted((reference_folder / name).glob("scene_*.json")):
+        states = sorted((reference_folder / name).glob("scene_*.json"))
+        if not states:
+            sys.exit(f"{reference_folder / name}: there is no scene_*.json")
+        for json_path in states:
             state = json_path.stem.removeprefix("scene_")
             reference = read_points(json_path.parent / f"ref_{state}.csv")
             for cell in arguments.cell or [CELLS[name]]:

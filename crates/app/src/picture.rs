@@ -48,7 +48,7 @@ fn radiance(world: &World, buckets: &Buckets, scale: &Scale, lens: &Lens, x: f64
     let scene = world.scene();
     let Some((hit, direction)) = lens.see(world, x, y) else { return DVec3::ZERO };
     let (object, t) = (hit.triangle.object(), hit.triangle.in_mesh());
-    let normal = hit.triangle.normal();
+    let normal = hit.triangle.normal;
     let back = normal.dot(direction) > 0.0;
     let normal = (if back { -normal } else { normal }).as_dvec3();
     let area = scene.objects[object].lattice.area_in(t);

@@ -11,7 +11,7 @@ use lightmend_photon::{
     body::TreePreset,
     irradiance::Scale,
     path::FirstHits,
-    probe::{Reading, read},
+    probe::{Reading, locate, read},
     solution::Solution,
     world::World,
 };
@@ -46,6 +46,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = common.read_scene(&arguments.scene)?;
     output::file(&arguments.out)?;
     let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
+    let mut places = Vec::new();
+    for (line, (point, normal)) in &points {
+        places.push(locate(&world, *point, *normal).ok_or_else(|| {
+            let what = format!("no surface facing {normal} is near the point {point}: move the point onto one");
+            Failure::from(SceneError::line(&arguments.points, line, what))
+        })?);
+    }
     let bar = progress::bar(pool.photons(), "shooting photons", common.quiet);
     // Buckets of indirect light alone: the direct part is computed at the points.
     let solution = Solution::shoot(pool, world.clone(), FirstHits::Never, &mut |photons, _| {
@@ -56,14 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solution = solution.ok_or_else(|| Failure::failed("interrupted before there were enough photons to keep"))?;
     let photons = solution.pool().photons();
     let scale = Scale::new(&scene, solution.rules(), photons);
-    let mut readings = Vec::new();
-    for (line, (point, normal)) in &points {
-        let reading = read(&world, solution.buckets(), &scale, *point, *normal);
-        readings.push(reading.ok_or_else(|| {
-            let what = format!("no surface facing {normal} is near the point {point}: move the point onto one");
-            Failure::from(SceneError::line(&arguments.points, line, what))
-        })?);
-    }
+    let readings: Vec<Reading> = places.iter().map(|place| read(&world, solution.buckets(), &scale, place)).collect();
     output::write(&arguments.out, |file| write_readings(file, &points, &readings))?;
     if common.json {
         output::json(None, &serde_json::json!({ "points": points.len(), "photons": photons, "out": arguments.out }), true)?;

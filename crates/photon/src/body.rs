@@ -117,14 +117,7 @@ impl Body {
     }
 
     fn traverse<'t>(&'t self, ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let tmax = best.map_or(f32::INFINITY, |b| b.distance * self.scale * SLACK);
-        let tree_ray = obvhs::ray::Ray {
-            origin: Vec3A::from(ray.origin * self.scale),
-            direction: Vec3A::from(ray.direction),
-            inv_direction: Vec3A::from(inverse(ray.direction)),
-            tmin: 0.0,
-            tmax,
-        };
+        let tree_ray = self.tree_ray(ray, best.map_or(f32::INFINITY, |b| b.distance));
         self.tree.ray_traverse(tree_ray, &mut RayHit::none(), |_, leaf| match ray.meet(&self.triangles[leaf], &best) {
             Some(hit) => {
                 best = Some(hit);
@@ -133,6 +126,28 @@ impl Body {
             None => f32::INFINITY,
         });
         best
+    }
+
+    /// All triangles that the ray meets within `farthest`, in any order.
+    pub fn meet_all<'t>(&'t self, ray: &Ray, farthest: f32, found: &mut Vec<Hit<'t>>) {
+        if self.triangles.is_empty() {
+            return;
+        }
+        self.tree.ray_traverse(self.tree_ray(ray, farthest), &mut RayHit::none(), |_, leaf| {
+            found.extend(ray.meet(&self.triangles[leaf], &None).filter(|hit| hit.distance <= farthest));
+            f32::INFINITY
+        });
+    }
+
+    /// The ray in the tree's coordinates.
+    fn tree_ray(&self, ray: &Ray, farthest: f32) -> obvhs::ray::Ray {
+        obvhs::ray::Ray {
+            origin: Vec3A::from(ray.origin * self.scale),
+            direction: Vec3A::from(ray.direction),
+            inv_direction: Vec3A::from(inverse(ray.direction)),
+            tmin: 0.0,
+            tmax: farthest * self.scale * SLACK,
+        }
     }
 }
 

@@ -15,10 +15,20 @@ use lightmend_scene::Scene;
 pub struct Irradiance {
     /// Lux per linear Rec. 709 channel.
     pub value: DVec3,
-    /// Standard error, as if photon hits were independent (Poisson); `value` itself where nothing was hit is 0 with an error of 0.
+    /// Standard error, as if photon hits were independent (Poisson). Where nothing was hit it is what one photon would have brought.
     pub standard_error: DVec3,
     /// Photon hits that it stems from.
     pub hits: i64,
+}
+
+impl Irradiance {
+    /// Adds light that has arrived independently.
+    pub fn add(&mut self, other: &Irradiance) {
+        self.value += other.value;
+        let variance = self.standard_error * self.standard_error + other.standard_error * other.standard_error;
+        self.standard_error = DVec3::from_array(variance.to_array().map(f64::sqrt));
+        self.hits += other.hits;
+    }
 }
 
 /// What a bucket's energy is worth, in lumens per unit of energy, per lamp and channel.
@@ -54,7 +64,12 @@ impl Scale {
             sum.hits += bucket.hits;
             variance += value * value / bucket.hits as f64;
         }
-        sum.standard_error = DVec3::from_array(variance.to_array().map(f64::sqrt));
+        sum.standard_error = if sum.hits == 0 {
+            let unit = (1u64 << ENERGY_BITS) as f64;
+            self.lumens.iter().fold(DVec3::ZERO, |most, lumens| most.max(*lumens)) * unit / area
+        } else {
+            DVec3::from_array(variance.to_array().map(f64::sqrt))
+        };
         sum
     }
 }

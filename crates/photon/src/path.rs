@@ -106,7 +106,7 @@ impl<'w> Photon<'w> {
             record.end(End::Escaped, self.throughput, self.lamp);
             return None;
         };
-        let normal = hit.triangle.normal();
+        let normal = hit.triangle.normal;
         let back = normal.dot(self.ray.direction) > 0.0;
         let deposits = self.hits > 0 || rules.first_hits[self.lamp()];
         record.hit(&hit, u8::from(back), self.throughput, self.lamp, deposits, world);

@@ -4,10 +4,10 @@ use crate::{
     bucket::Buckets,
     irradiance::{Irradiance, Scale},
     path,
-    triangle::Ray,
+    triangle::{Hit, Ray},
     world::World,
 };
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// What a probe reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,25 +39,54 @@ pub fn direct_of(world: &World, point: DVec3, normal: DVec3, counts: impl Fn(usi
     sum
 }
 
-/// Reads a point of a surface; `normal` (unit) chooses the side. Buckets must hold indirect light only. `None` if no surface that
-/// faces along the normal is within a thousandth of the scene's reach.
-pub fn read(world: &World, buckets: &Buckets, scale: &Scale, point: DVec3, normal: DVec3) -> Option<Reading> {
+/// A point of a surface, seen from one side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// Metres.
+    pub point: DVec3,
+    /// Unit, on the side that counts.
+    pub normal: DVec3,
+    /// The element there; several where surfaces lie in one another.
+    elements: Vec<Element>,
+}
+
+/// One side of a mesh element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Element {
+    object: usize,
+    cell: u32,
+    side: usize,
+    area: f64,
+}
+
+/// The mesh element at a point of a surface; unit `normal` chooses the side. `None` if no surface that faces along the normal is
+/// within a thousandth of the scene's reach.
+pub fn locate(world: &World, point: DVec3, normal: DVec3) -> Option<Place> {
     let near = f64::from(world.reach().metres) * 1e-3;
     // From just above: another surface may stand close over the point.
     for height in [near * 0.02, near * 0.2, near] {
         let from = (point + normal * height).as_vec3();
-        let ray = Ray::new(from, Vec3::from(-normal.as_vec3()), None, 0.0);
+        let ray = Ray::new(from, -normal.as_vec3(), None, 0.0);
         let Some(hit) = world.nearest(&ray).filter(|h| f64::from(h.distance) <= height + near) else { continue };
-        let front = hit.triangle.normal().as_dvec3().dot(normal);
-        if front.abs() < 0.5 {
+        let front = |hit: &Hit| hit.triangle.normal.as_dvec3().dot(normal);
+        if front(&hit).abs() < 0.5 {
             continue;
         }
-        let (object, t) = (hit.triangle.object(), hit.triangle.in_mesh());
-        let lattice = &world.scene().objects[object].lattice;
-        let cell = path::cell(world, &hit);
-        let side = usize::from(front < 0.0);
-        let indirect = scale.irradiance(buckets, object, cell, side, lattice.area_in(t));
-        return Some(Reading { direct: direct(world, point, normal), indirect });
+        let element = |hit: &Hit| {
+            let object = hit.triangle.object();
+            let area = world.scene().objects[object].lattice.area_in(hit.triangle.in_mesh());
+            Element { object, cell: path::cell(world, hit), side: usize::from(front(hit) < 0.0), area }
+        };
+        return Some(Place { point, normal, elements: world.layers(&ray, hit).iter().map(element).collect() });
     }
     None
+}
+
+/// Reads the light at a place. Buckets must hold indirect light only.
+pub fn read(world: &World, buckets: &Buckets, scale: &Scale, place: &Place) -> Reading {
+    let mut indirect = Irradiance::default();
+    for Element { object, cell, side, area } in &place.elements {
+        indirect.add(&scale.irradiance(buckets, *object, *cell, *side, *area));
+    }
+    Reading { direct: direct(world, place.point, place.normal), indirect }
 }

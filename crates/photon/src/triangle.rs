@@ -6,18 +6,28 @@
 //!
 //! The nearest hit is by distance, then by triangle id, so that a path never depends on the order in which a tree is visited.
 
-use glam::Vec3;
+use glam::{Mat3A, Vec3, Vec3A};
 
 /// A triangle in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle {
     /// World-space corners, metres; counter-clockwise seen from the front.
     pub corners: [Vec3; 3],
+    /// Unit normal of the front.
+    pub normal: Vec3,
     /// (object << 32) | triangle of its mesh. Objects are numbered by name: the order never depends on insertion.
     pub id: u64,
 }
 
 impl Triangle {
+    /// A triangle of `object`, number `in_mesh` of its mesh.
+    pub fn new(corners: [Vec3; 3], object: usize, in_mesh: usize) -> Triangle {
+        // In f64, so that slivers have a normal.
+        let [a, b, c] = corners.map(|v| v.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        Triangle { corners, normal, id: (object as u64) << 32 | in_mesh as u64 }
+    }
+
     /// Index of the object in its scene.
     pub fn object(&self) -> usize {
         (self.id >> 32) as usize
@@ -26,12 +36,6 @@ impl Triangle {
     /// Index of the triangle in the object's mesh.
     pub fn in_mesh(&self) -> usize {
         (self.id & 0xffff_ffff) as usize
-    }
-
-    /// Unit normal of the front, computed in f64 so that slivers have one.
-    pub fn normal(&self) -> Vec3 {
-        let [a, b, c] = self.corners.map(|v| v.as_dvec3());
-        (b - a).cross(c - a).normalize_or_zero().as_vec3()
     }
 
     /// The point with these barycentric weights, kept inside the triangle's box: on an axis-parallel wall it never leaves it.
@@ -53,8 +57,9 @@ pub struct Ray<'a> {
     pub leaves: Option<&'a Triangle>,
     /// Within this distance, coplanar neighbours of the surface it leaves are not met either.
     pub near: f32,
-    axes: [usize; 3],
-    shear: Vec3,
+    /// Takes the ray to the z axis and its largest component to 1 along it: axes swapped, then sheared. Each row has at most two
+    /// entries that are not zero, so that a product has the one rounding that Woop's formulas have.
+    shear: Mat3A,
 }
 
 /// Where a ray meets a triangle.
@@ -79,19 +84,27 @@ impl<'a> Ray<'a> {
         if direction[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
         }
-        let shear = Vec3::new(direction[x] / direction[z], direction[y] / direction[z], 1.0 / direction[z]);
-        Ray { origin, direction, leaves, near, axes: [x, y, z], shear }
+        let mut rows = [Vec3::ZERO; 3];
+        rows[0][x] = 1.0;
+        rows[0][z] = -direction[x] / direction[z];
+        rows[1][y] = 1.0;
+        rows[1][z] = -direction[y] / direction[z];
+        rows[2][z] = 1.0 / direction[z];
+        let column = |k: usize| Vec3A::new(rows[0][k], rows[1][k], rows[2][k]);
+        Ray { origin, direction, leaves, near, shear: Mat3A::from_cols(column(0), column(1), column(2)) }
     }
 
     /// Meets a triangle if it is nearer than `best`, or as near and of smaller id.
     #[inline]
     pub fn meet<'t>(&self, triangle: &'t Triangle, best: &Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let [x, y, z] = self.axes;
-        let sheared = triangle.corners.map(|v| {
-            let v = v - self.origin;
-            Vec3::new(v[x] - self.shear.x * v[z], v[y] - self.shear.y * v[z], self.shear.z * v[z])
-        });
-        let [a, b, c] = sheared;
+        let origin = Vec3A::from(self.origin);
+        let sheared = |corner: Vec3| {
+            let v = Vec3A::from(corner) - origin;
+            // Not Mat3A's product: whether that fuses multiplications and additions depends on the target.
+            self.shear.x_axis * v.x + self.shear.y_axis * v.y + self.shear.z_axis * v.z
+        };
+        let [p, q, r] = triangle.corners;
+        let (a, b, c) = (sheared(p), sheared(q), sheared(r));
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
         let w = b.x * a.y - b.y * a.x;
@@ -105,7 +118,7 @@ impl<'a> Ray<'a> {
         let weights = [u / determinant, v / determinant, w / determinant];
         let distance = weights[0] * a.z + weights[1] * b.z + weights[2] * c.z;
         // Written so that a NaN is no hit.
-        if !(distance >= 0.0 && distance < f32::INFINITY) {
+        if !(0.0..f32::INFINITY).contains(&distance) {
             return None;
         }
         if let Some(best) = best
@@ -124,7 +137,7 @@ impl<'a> Ray<'a> {
     /// Whether a triangle met at almost no distance is only a continuation of the surface that the ray leaves.
     #[cold]
     fn leaves_plane_of(&self, left: &Triangle, met: &Triangle) -> bool {
-        let (n, m) = (left.normal(), met.normal());
+        let (n, m) = (left.normal, met.normal);
         let n = if n.dot(self.direction) < 0.0 { -n } else { n };
         let cosine = n.dot(m);
         cosine.abs() > 0.5 && m.dot(self.direction) * cosine > 0.0
@@ -136,8 +149,8 @@ mod tests {
     use super::*;
     use glam::vec3;
 
-    fn triangle(a: Vec3, b: Vec3, c: Vec3, id: u64) -> Triangle {
-        Triangle { corners: [a, b, c], id }
+    fn triangle(a: Vec3, b: Vec3, c: Vec3, id: usize) -> Triangle {
+        Triangle::new([a, b, c], 0, id)
     }
 
     #[test]
@@ -150,7 +163,7 @@ mod tests {
             })
             .collect();
         let centre = vec3(0.013, -0.027, 0.05);
-        let fan: Vec<Triangle> = (0..7).map(|k| triangle(centre, rim[k], rim[(k + 1) % 7], k as u64)).collect();
+        let fan: Vec<Triangle> = (0..7).map(|k| triangle(centre, rim[k], rim[(k + 1) % 7], k)).collect();
         for place in 0..1000 {
             let origin = vec3((place % 10) as f32 * 0.31 - 1.4, (place / 10 % 10) as f32 * 0.29 - 1.3, 2.0 + place as f32 * 0.01);
             for k in 0..7 {

@@ -62,7 +62,7 @@ impl Visible {
             let x = (2.0 * f64::from(pixel % WIDTH) + 1.0 - f64::from(WIDTH)) / f64::from(HEIGHT);
             let y = 1.0 - (2.0 * f64::from(pixel / WIDTH) + 1.0) / f64::from(HEIGHT);
             let (hit, direction) = lens.see(world, x, y)?;
-            let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal().dot(direction) > 0.0));
+            let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal.dot(direction) > 0.0));
             let area = world.scene().objects[object].lattice.area_in(hit.triangle.in_mesh());
             Some((object, path::cell(world, &hit), side, area))
         };

@@ -68,9 +68,7 @@ fn placed_triangles(scene: &Scene, id: usize, motion: &Motion) -> Vec<Triangle> 
     let mesh = &scene.objects[id].mesh;
     let corners: Vec<Vec3> = mesh.positions.iter().map(|p| motion.point(*p).as_vec3()).collect();
     let triangles = mesh.triangles.iter().enumerate();
-    triangles
-        .map(|(t, indices)| Triangle { corners: indices.map(|i| corners[i as usize]), id: (id as u64) << 32 | t as u64 })
-        .collect()
+    triangles.map(|(t, indices)| Triangle::new(indices.map(|i| corners[i as usize]), id, t)).collect()
 }
 
 fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
@@ -175,6 +173,27 @@ impl World {
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
         let best = self.nearest_in(&self.boxes, &self.order, ray, None);
         self.fixed.nearest(ray, best)
+    }
+
+    /// What the ray meets at the distance of `hit`, but for rounding: surfaces that lie in one another. Which of them a photon meets is
+    /// left to rounding, so the light of the place is the sum of theirs. `hit` comes first; neighbours that only share an edge with
+    /// the ray are left out.
+    pub fn layers<'w>(&'w self, ray: &Ray, hit: Hit<'w>) -> Vec<Hit<'w>> {
+        // A few roundings of the largest coordinate.
+        let slack = 1e-6 * self.reach.metres;
+        let mut found = Vec::new();
+        for body in self.dynamic.iter().flatten().map(|placed| &placed.body).chain([&*self.fixed]) {
+            body.meet_all(ray, hit.distance + slack, &mut found);
+        }
+        found.retain(|other| {
+            other.triangle.id != hit.triangle.id
+                && other.distance >= hit.distance - slack
+                && other.weights.iter().all(|w| *w > 0.0)
+                && other.triangle.normal.dot(hit.triangle.normal).abs() > 0.999
+        });
+        found.sort_by_key(|other| other.triangle.id);
+        found.insert(0, hit);
+        found
     }
 
     /// The nearest of `best` and the objects `ids` where they stand in this world.
