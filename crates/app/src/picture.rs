@@ -6,7 +6,7 @@
 use crate::{failure::Failure, output};
 use glam::DVec3;
 use lightmend_photon::{bucket::Buckets, irradiance::Scale, path, probe, visible::Lens, world::World};
-use lightmend_scene::{Direct, View, luminance};
+use lightmend_scene::{Direct, Scene, View, luminance};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -14,6 +14,18 @@ const WIDTH: u32 = 640;
 const HEIGHT: u32 = 480;
 /// Samples per pixel, along each side.
 const GRID: u32 = 2;
+
+/// A file name for the picture of each camera: its name where a file can be called so, numbered where two would be the same.
+pub fn file_names(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in &scene.cameras {
+        let plain: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        let numbered = (2..).map(|n| format!("{plain}_{n}.png"));
+        let free = std::iter::once(format!("{plain}.png")).chain(numbered).find(|n| !names.contains(n));
+        names.extend(free);
+    }
+    names
+}
 
 /// Writes a PNG of what `view` sees.
 pub fn write(path: &Path, world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Result<(), Failure> {

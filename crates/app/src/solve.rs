@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = arguments.pool.smallest()?.grown(photons);
     let scene = common.read_scene(&arguments.scene)?;
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let pictures: Vec<String> = scene.cameras.iter().map(|(name, _)| format!("{}.png", name.replace(['/', ' '], "_"))).collect();
+    let pictures = picture::file_names(&scene);
     let files = [&["summary.json".to_owned()], &pictures[..]].concat();
     let out = arguments.out.as_deref().map(|out| output::folder(out, &files)).transpose()?;
 

@@ -168,14 +168,15 @@ mod tests {
     #[test]
     fn agrees_with_the_halton_crate() {
         // Its `number` is sound, its iterator is not: it ends after 1,048,575 values. See the README.
-        for base in [2u64, 3, 5, 7, 11, 13, 47, 89, 97] {
+        use rayon::prelude::*;
+        let bases: Vec<u64> = primes().take_while(|p| *p <= 97).collect();
+        bases.into_par_iter().for_each(|base| {
             let inverse = RadicalInverse::new(base, Scrambling::None);
-            let count = if base == 2 || base == 97 { 10_000_000 } else { 400_000 };
-            for i in 0..count {
+            for i in 0..10_000_000 {
                 let oracle = halton::number(base as usize, i);
                 assert!((inverse.value(i as u64) - oracle).abs() <= 5e-16, "base {base}, index {i}");
             }
-        }
+        });
     }
 
     #[test]

@@ -102,6 +102,9 @@ pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>)
     }
 }
 
+/// A page of buckets holds 32 bytes for each; more would not fit a workstation's memory with a few lamps.
+const MOST_CELLS: u64 = 50_000_000;
+
 /// A mesh and its mesh elements.
 type CutMesh = (Arc<Mesh>, Arc<Lattice>);
 
@@ -152,6 +155,12 @@ impl Loader<'_> {
             drafts.push(self.object(entry, &index, file.cell)?);
         }
         self.carriers(&mut drafts)?;
+        let cells: u64 = drafts.iter().map(|(object, _)| u64::from(object.lattice.cells())).sum();
+        if cells > MOST_CELLS {
+            let what =
+                format!("there would be {cells} mesh elements, more than {MOST_CELLS}; make `cell` larger than {} m", file.cell);
+            return Err(self.fault(what));
+        }
         let mut lamps = Vec::new();
         for entry in &file.lamps {
             lamps.push(self.lamp(entry, &index)?);

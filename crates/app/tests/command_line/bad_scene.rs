@@ -154,5 +154,6 @@ fn farther_than_rays_can_say() {
 fn impossible_cell_and_reflectance() {
     refused("cell: 0.15", "cell: 0.0", &["cornell.ron", "cell is 0", "positive"]);
     refused("cell: 0.15", "cell: 1e-9", &["cornell.ron", "object 'ceiling'", "larger"]);
+    refused("cell: 0.15", "cell: 0.0002", &["cornell.ron", "mesh elements", "larger than 0.0002 m"]);
     refused("(0.14, ", "(1.4, ", &["cornell.ron", "material 'green'", "0 to 1"]);
 }
