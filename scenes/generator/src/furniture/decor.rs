@@ -108,8 +108,9 @@ pub fn picture(name: &str, w: f64, h: f64, bands: [&'static str; 3]) -> Mesh {
         let low = -z + 2.0 * z * i as f64 / 3.0;
         let high = low + 2.0 * z / 3.0 - 0.0001;
         let hill = grid_box(&steps(-x, x, 3), &[0.0101, 0.013], &[0.0, 1.0]).map(|p| {
-            let line =
-                |k: usize, z0: f64| if k % 3 == 0 { z0 } else { z0 + 0.12 * z * (p.x / x * (2.0 + k as f64) + k as f64).sin() };
+            let line = |k: usize, z0: f64| {
+                if k.is_multiple_of(3) { z0 } else { z0 + 0.12 * z * (p.x / x * (2.0 + k as f64) + k as f64).sin() }
+            };
             let (a, b) = (line(i, low), line(i + 1, high));
             v(p.x, p.y, a + (b - a) * p.z)
         });
