@@ -173,7 +173,7 @@ mod tests {
         bases.into_par_iter().for_each(|base| {
             let inverse = RadicalInverse::new(base, Scrambling::None);
             for i in 0..10_000_000 {
-                let oracle = halton::number(base as usize, i);
+                let oracle = halton::number(base as u8, i);
                 assert!((inverse.value(i as u64) - oracle).abs() <= 5e-16, "base {base}, index {i}");
             }
         });

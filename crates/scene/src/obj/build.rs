@@ -75,9 +75,9 @@ fn warn_of_losses(path: &Path, naming: &Naming, drafts: &[Draft], warnings: &mut
         let path = path.display();
         warnings.push(Warning(format!("{path}: zero-area triangles ({dropped}) are dropped, in {objects}")));
     }
-    let untextured: usize = drafts.iter().filter(|d| d.any_uvs).map(|d| d.without_uvs).sum();
+    let untextured: usize = drafts.iter().map(Draft::lacking_uvs).sum();
     if untextured > 0 {
-        let objects = names(&|d| d.any_uvs && d.without_uvs > 0);
+        let objects = names(&|d| d.lacking_uvs() > 0);
         warnings.push(Warning(format!(
             "{}: triangles without texture coordinates ({untextured}), in {objects}, get one colour of their texture",
             path.display()
@@ -147,7 +147,6 @@ struct Draft {
     /// Indices of texture coordinates, `None` for triangles without.
     uvs: Vec<Option<[u32; 3]>>,
     any_uvs: bool,
-    without_uvs: usize,
     material_of: Vec<usize>,
     /// The file's materials in this part, in the order of their first face.
     materials: Vec<usize>,
@@ -162,7 +161,6 @@ impl Draft {
             triangles: Vec::new(),
             uvs: Vec::new(),
             any_uvs: false,
-            without_uvs: 0,
             material_of: Vec::new(),
             materials: Vec::new(),
             place: vec![None; materials],
@@ -175,13 +173,20 @@ impl Draft {
         self.triangles.push(triangle.map(|i| vertices[i as usize]));
         let uv = (face.has_uvs && !uvs.is_empty()).then(|| triangle.map(|i| uvs[i as usize]));
         self.any_uvs |= uv.is_some();
-        self.without_uvs += usize::from(uv.is_none());
         self.uvs.push(uv);
         let place = *self.place[material].get_or_insert_with(|| {
             self.materials.push(material);
             self.materials.len() - 1
         });
         self.material_of.push(place);
+    }
+
+    /// Triangles without texture coordinates among those of materials that have them elsewhere in this part.
+    fn lacking_uvs(&self) -> usize {
+        let mut textured = vec![false; self.materials.len()];
+        let triangles = || self.material_of.iter().zip(&self.uvs);
+        triangles().for_each(|(material, uv)| textured[*material] |= uv.is_some());
+        triangles().filter(|(material, uv)| textured[**material] && uv.is_none()).count()
     }
 
     /// The mesh, with the vertices that it uses alone. `local` is scratch, all `u32::MAX` before and after.

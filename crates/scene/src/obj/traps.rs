@@ -214,6 +214,10 @@ fn missing_texture_coordinates_are_not_invented() {
     assert_eq!(uvs, [[[0.5, 0.5], [1.0, 0.0], [0.5, 0.5]], [[0.0; 2]; 3]]);
     assert!(file.parts[1].mesh.uvs.is_empty());
     assert_eq!(warnings, ["a.obj: triangles without texture coordinates (1), in `a`, get one colour of their texture"]);
+    // A rug's fringe of a material of its own misses nothing.
+    let fringe = format!("{TRIANGLE}vt 0 0\nusemtl rug\nf 1/1 2/1 3/1\nusemtl fringe\nf 3 2 1\n");
+    let (_, warnings) = read_with(fringe.as_bytes(), &[], Strictness::Scene).expect("a readable file");
+    assert!(warnings.is_empty(), "{warnings:?}");
 }
 
 #[test]
