@@ -1,6 +1,6 @@
 //! What is there: objects, mesh elements, materials, lamps, moves. No light, no GPU.
 //!
-//! A scene file ([`format`]) becomes a [`Scene`]: meshes read ([`obj`]) and cut into cells ([`Lattice`]), materials and
+//! A scene file ([`mod@format`]) becomes a [`Scene`]: meshes read ([`obj`]) and cut into cells ([`Lattice`]), materials and
 //! lamps ([`Photometry`]) resolved, all in order of names. What edits can change is a [`Configuration`]: immutable, cheap to
 //! clone, and made anew by every [`Edit`]. A script of edits is a [`Moves`] file.
 //!
