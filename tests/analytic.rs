@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use lightmend_photon::{irradiance::Scale, path::FirstHits, probe};
+use lightmend_scene::Configuration;
 use lightmend_tests::{Builder, count, pool, shoot, sphere, world};
 
 /// Area-weighted mean direct and indirect irradiance of a sphere, and the photon hits of every element.
@@ -20,7 +21,7 @@ fn solve_sphere(reflectance: f64, lamp: [f64; 3], photons: u64) -> Sphere {
     let world = world(&scene);
     let solve = |first_hits| {
         let solution = shoot(pool(photons), &world, first_hits);
-        let scale = Scale::new(&scene, solution.rules(), photons);
+        let scale = Scale::new(&world, photons);
         let lattice = &scene.objects[0].lattice;
         let mut lumens = 0.0;
         let mut hits = Vec::new();
@@ -99,9 +100,10 @@ fn a_beam_on_a_plate_lights_the_plate_above_it() {
     builder.file.lamps[0].photometry = Some("beam.ies".into());
     let scene = builder.build(&[("beam.ies", BEAM)]);
     let flux = scene.lamps[0].flux().x;
-    let solution = shoot(pool(photons), &world(&scene), FirstHits::AsLampsSay);
-    let scale = Scale::new(&scene, solution.rules(), photons);
-    let plate = scene.object("plate").unwrap();
+    let world = world(&scene);
+    let solution = shoot(pool(photons), &world, FirstHits::AsLampsSay);
+    let scale = Scale::new(&world, photons);
+    let plate = Configuration::initial(&scene).object_id("plate").unwrap();
     let (mesh, lattice) = (&scene.objects[plate].mesh, &scene.objects[plate].lattice);
     let mut total = (0.0, 0.0);
     let mut worst: f64 = 0.0;
@@ -175,7 +177,7 @@ fn photons_leave_a_lamp_as_its_photometric_file_says() {
         let photons = count(1_000_000, 10_000_000);
         let world = world(&scene);
         let solution = shoot(pool(photons), &world, FirstHits::Always);
-        let scale = Scale::new(&scene, solution.rules(), photons);
+        let scale = Scale::new(&world, photons);
         let lamp = &scene.lamps[0];
         let to_lamp_axes = world.lamps()[0].rotation.transpose();
         let (mesh, lattice) = (&scene.objects[0].mesh, &scene.objects[0].lattice);
@@ -224,7 +226,7 @@ fn coincident_surfaces_share_the_light_of_their_place() {
         let scene = builder.build(&[]);
         let world = world(&scene);
         let solution = shoot(pool(photons), &world, FirstHits::Never);
-        let scale = Scale::new(&scene, solution.rules(), photons);
+        let scale = Scale::new(&world, photons);
         // One point in each of the four triangles that both cuts make; together they weigh all elements.
         [(1.0, 0.5), (1.5, 1.0), (1.0, 1.6), (0.4, 1.0)]
             .map(|(x, y)| probe::locate(&world, corner(x, y), DVec3::Z).unwrap())

@@ -7,6 +7,7 @@ use lightmend_photon::{
     triangle::Hit,
     world::World,
 };
+use lightmend_scene::Configuration;
 use lightmend_tests::{Builder, count, own_scene, own_scene_untextured, pool, shoot, world};
 
 fn total(tallies: &[Tally], what: fn(&Tally) -> i64) -> u64 {
@@ -64,9 +65,9 @@ fn energy_is_conserved_per_channel() {
         let unit = f64::from(1u32 << lightmend_photon::bucket::ENERGY_BITS);
         let mut kept = [0.0; 3];
         for (at, bucket) in solution.buckets().lit() {
-            let object = &scene.objects[at.object as usize];
+            let object = world.object(at.object as usize);
             let triangle = object.lattice.triangle_of(at.cell);
-            let material = &scene.materials[object.materials[usize::from(object.mesh.material_of[triangle])]];
+            let material = object.material(triangle);
             for c in 0..3 {
                 kept[c] += bucket.energy[c] as f64 / unit * f64::from(1.0 - material.reflectance[c]);
             }
@@ -101,9 +102,10 @@ fn nothing_passes_a_sealed_wall_of_a_millimetre() {
         .build(&[]);
     let photons = count(5_000_000, 100_000_000);
     let solution = shoot(pool(photons), &world(&scene), FirstHits::Always);
-    let inner = scene.object("inner").unwrap();
+    let built = Configuration::initial(&scene);
+    let inner = built.object_id("inner").unwrap();
     assert!(solution.buckets().get(inner, 0, 0).is_none() && solution.buckets().get(inner, 1, 0).is_none());
-    let outer = scene.object("outer").unwrap();
+    let outer = built.object_id("outer").unwrap();
     assert!(solution.buckets().get(outer, 0, 0).is_some() && solution.buckets().get(outer, 1, 0).is_none());
     assert_eq!(total(solution.tallies(), |t| t.escaped), 0);
 }

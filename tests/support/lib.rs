@@ -115,6 +115,8 @@ impl Builder {
             rotation: DVec3::ZERO,
             on: None,
             intensity: DVec3::splat(candela),
+            rated: None,
+            off: false,
             photometry: None,
             direct: Default::default(),
         });

@@ -20,11 +20,12 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.common.read_scene(&arguments.scene)?;
-    let moves = Moves::read(&arguments.script, &scene)?;
+    let (moves, warnings) = Moves::read(&arguments.script, &scene)?;
+    arguments.common.warn(&warnings);
     output::file(&arguments.out)?;
     let mut configuration = Configuration::initial(&scene);
     for timed in &moves.edits {
-        configuration = configuration.apply(&timed.edit.last())?;
+        configuration = configuration.apply(&timed.edit)?;
     }
     let mut file = configuration.to_file();
     let from = arguments.scene.parent().unwrap_or(Path::new(""));

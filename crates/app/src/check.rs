@@ -6,9 +6,9 @@ use crate::{
     output::{self, say},
 };
 use lightmend_photon::emission::LampChoice;
-use lightmend_scene::{Mesh, Scene, luminance};
+use lightmend_scene::{Configuration, Mesh, Scene, luminance};
 use serde_json::json;
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -27,7 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::json(None, &summary(&scene), common.json)
 }
 
-fn summary(scene: &Scene) -> serde_json::Value {
+fn summary(scene: &Arc<Scene>) -> serde_json::Value {
     let objects: Vec<_> = scene
         .objects
         .iter()
@@ -38,7 +38,7 @@ fn summary(scene: &Scene) -> serde_json::Value {
             })
         })
         .collect();
-    let choice = LampChoice::new(scene);
+    let choice = LampChoice::new(&Configuration::initial(scene));
     let lamps: Vec<_> = scene
         .lamps
         .iter()
@@ -48,7 +48,7 @@ fn summary(scene: &Scene) -> serde_json::Value {
     json!({ "scene": scene.name, "triangles": scene.triangles(), "cells": scene.cells(), "objects": objects, "lamps": lamps })
 }
 
-fn describe(scene: &Scene) {
+fn describe(scene: &Arc<Scene>) {
     let movable = scene.objects.iter().filter(|o| o.movable).count();
     say(&format!(
         "{}: {} objects ({movable} movable), {} triangles, {} mesh elements, {} lamps, {} cameras",
@@ -73,7 +73,7 @@ fn describe(scene: &Scene) {
             if open > 0 { format!("  ({open} open edges)") } else { String::new() },
         ));
     }
-    let choice = LampChoice::new(scene);
+    let choice = LampChoice::new(&Configuration::initial(scene));
     say(&format!("\n{:<28} {:>10} {:>8}  direct light by", "lamp", "lumens", "photons"));
     for (l, lamp) in scene.lamps.iter().enumerate() {
         let share = format!("{:.1} %", choice.chance(l) * 100.0);

@@ -241,6 +241,8 @@ impl Import {
             rotation: DVec3::ZERO,
             on: None,
             intensity: DVec3::splat(*candela),
+            rated: None,
+            off: false,
             photometry: None,
             direct: Direct::Rasteriser,
         });

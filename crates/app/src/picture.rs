@@ -39,7 +39,7 @@ pub fn write(path: &Path, world: &World, buckets: &Buckets, scale: &Scale, view:
 }
 
 fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<DVec3> {
-    let lens = Lens::new(view, world.scene().up);
+    let lens = Lens::new(view, world.configuration().scene().up);
     (0..HEIGHT * WIDTH)
         .into_par_iter()
         .map(|pixel| {
@@ -57,16 +57,15 @@ fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<D
 
 /// Radiance that arrives at (x, y) of the picture.
 fn radiance(world: &World, buckets: &Buckets, scale: &Scale, lens: &Lens, x: f64, y: f64) -> DVec3 {
-    let scene = world.scene();
     let Some((hit, direction)) = lens.see(world, x, y) else { return DVec3::ZERO };
     let (object, t) = (hit.triangle.object(), hit.triangle.in_mesh());
     let normal = hit.triangle.normal;
     let back = normal.dot(direction) > 0.0;
     let normal = (if back { -normal } else { normal }).as_dvec3();
-    let area = scene.objects[object].lattice.area_in(t);
+    let area = world.object(object).lattice.area_in(t);
     let from_photons = scale.irradiance(buckets, object, path::cell(world, &hit), usize::from(back), area).value;
     let point = hit.triangle.point(hit.weights).as_dvec3();
-    let direct = probe::direct_of(world, point, normal, |lamp| scene.lamps[lamp].direct == Direct::Rasteriser);
+    let direct = probe::direct_of(world, point, normal, |lamp| world.configuration().lamp(lamp).direct == Direct::Rasteriser);
     path::reflectance(world, &hit).as_dvec3() * (from_photons + direct) / std::f64::consts::PI
 }
 

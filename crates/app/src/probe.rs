@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     let solution = solution.ok_or_else(|| Failure::failed("interrupted before there were enough photons to keep"))?;
     let photons = solution.pool().photons();
-    let scale = Scale::new(&scene, solution.rules(), photons);
+    let scale = Scale::new(&world, photons);
     let readings: Vec<Reading> = places.iter().map(|place| read(&world, solution.buckets(), &scale, place)).collect();
     output::write(&arguments.out, |file| write_readings(file, &points, &readings))?;
     if common.json {

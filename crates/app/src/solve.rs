@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let buckets = solution.buckets();
     if let Some(path) = &arguments.dump {
-        output::write(path, |file| buckets.dump(&scene, file))?;
+        output::write(path, |file| buckets.dump(solution.world().configuration(), file))?;
     }
     let tallies = solution.tallies();
     let total = |f: fn(&lightmend_photon::path::Tally) -> i64| tallies.iter().map(f).sum::<i64>();
@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!("absorbed {}, escaped {}, cut {}", total(|t| t.absorbed), total(|t| t.escaped), total(|t| t.cut)));
     }
     if let Some(out) = out {
-        let scale = Scale::new(&scene, solution.rules(), photons);
+        let scale = Scale::new(solution.world(), photons);
         for (name, (_, view)) in pictures.iter().zip(&scene.cameras) {
             let path = out.join(name);
             picture::write(&path, solution.world(), buckets, &scale, view)?;

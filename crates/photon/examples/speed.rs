@@ -38,14 +38,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (scene, _) = Scene::read(path.as_ref())?;
     let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
     let pool = Pool::new(photons, 288, 16, Scrambling::Seed(1))?;
-    let rules = Rules::new(&scene, Sequence::new(pool.scrambling), FirstHits::Always);
+    let rules = Rules { sequence: Sequence::new(pool.scrambling), first_hits: FirstHits::Always };
     println!("{}: {} triangles, {} elements, {photons} photons, 1 thread", scene.name, scene.triangles(), scene.cells());
 
     let mut segments = Segments::default();
     for class in 0..288 {
         for index in (class..photons.min(200_000)).step_by(288) {
             segments.starts.push(segments.points.len());
-            let lamp = rules.lamps.choose(rules.sequence.value(index, 0)).0;
+            let Some((lamp, _)) = world.choice().choose(rules.sequence.value(index, 0)) else { continue };
             segments.points.push(world.lamps()[lamp].position.as_vec3());
             trace(&rules, &world, PhotonIndex(index), &mut segments);
         }

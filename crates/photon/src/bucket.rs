@@ -6,7 +6,7 @@
 //! Headroom: a deposit is at most 2²⁴ per channel; 2⁴² photons cannot be, but 10⁸ photons of 64 hits each stay below 2⁵⁷.
 
 use glam::Vec3;
-use lightmend_scene::Scene;
+use lightmend_scene::Configuration;
 use std::io::{self, Write};
 
 /// log₂ of the energy of a photon that has lost nothing: a deposit is `round(throughput · 2²⁴)`.
@@ -53,34 +53,38 @@ pub struct Bucket {
 }
 
 /// All buckets of a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Buckets {
+    /// Cells of each object, by number.
     cells: Vec<u32>,
-    lamps: usize,
-    pages: Vec<Option<Box<[Bucket]>>>,
+    /// Per object, a page for each side of each lamp: 2 · lamp + side.
+    pages: Vec<Vec<Option<Box<[Bucket]>>>>,
 }
 
 impl Buckets {
-    /// Dark buckets for `scene`.
-    pub fn new(scene: &Scene) -> Buckets {
-        let cells: Vec<u32> = scene.objects.iter().map(|o| o.lattice.cells()).collect();
-        let lamps = scene.lamps.len();
-        let pages = vec![None; cells.len() * 2 * lamps];
-        Buckets { cells, lamps, pages }
+    /// Dark buckets for the objects and lamps of `configuration`.
+    pub fn new(configuration: &Configuration) -> Buckets {
+        let mut buckets = Buckets::default();
+        buckets.grow(configuration);
+        buckets
     }
 
-    fn page(&self, object: usize, side: usize, lamp: usize) -> usize {
-        (object * 2 + side) * self.lamps + lamp
+    /// Makes room for the objects and lamps that were added.
+    pub fn grow(&mut self, configuration: &Configuration) {
+        let new = self.cells.len()..configuration.object_slots();
+        self.cells.extend(new.map(|id| configuration.object(id).lattice.cells()));
+        self.pages.resize_with(self.cells.len(), Vec::new);
+        let lamps = configuration.lamp_slots();
+        self.pages.iter_mut().for_each(|pages| pages.resize(pages.len().max(2 * lamps), None));
     }
 
     /// Adds or takes away deposits.
     pub fn add(&mut self, deposits: &[Deposit]) {
         for deposit in deposits {
             let Address { object, cell, side, lamp } = deposit.to;
-            let page = self.page(object as usize, usize::from(side), usize::from(lamp));
             let cells = self.cells[object as usize] as usize;
-            let buckets = self.pages[page].get_or_insert_with(|| vec![Bucket::default(); cells].into());
-            let bucket = &mut buckets[cell as usize];
+            let page = &mut self.pages[object as usize][2 * usize::from(lamp) + usize::from(side)];
+            let bucket = &mut page.get_or_insert_with(|| vec![Bucket::default(); cells].into())[cell as usize];
             let sign = if deposit.negative { -1 } else { 1 };
             for (sum, energy) in bucket.energy.iter_mut().zip(deposit.energy) {
                 *sum += sign * i64::from(energy);
@@ -91,46 +95,49 @@ impl Buckets {
 
     /// The buckets of all cells of one object, side and lamp; `None` if no light ever arrived.
     pub fn get(&self, object: usize, side: usize, lamp: usize) -> Option<&[Bucket]> {
-        self.pages[self.page(object, side, lamp)].as_deref()
+        self.pages.get(object)?.get(2 * lamp + side)?.as_deref()
     }
 
-    /// Every bucket that is not dark, in order of object, cell, side and lamp.
+    /// Every bucket that is not dark, in order of object, cell, lamp and side.
     pub fn lit(&self) -> impl Iterator<Item = (Address, Bucket)> + '_ {
         (0..self.cells.len()).flat_map(move |object| {
-            let pages = &self.pages[self.page(object, 0, 0)..self.page(object + 1, 0, 0)];
+            let pages = &self.pages[object];
             let cells = if pages.iter().any(Option::is_some) { self.cells[object] } else { 0 };
             (0..cells).flat_map(move |cell| {
                 pages.iter().enumerate().filter_map(move |(n, page)| {
                     let bucket = page.as_ref()?[cell as usize];
-                    let (side, lamp) = ((n / self.lamps) as u8, (n % self.lamps) as u16);
+                    let (side, lamp) = ((n % 2) as u8, (n / 2) as u16);
                     (bucket != Bucket::default()).then_some((Address { object: object as u32, cell, side, lamp }, bucket))
                 })
             })
         })
     }
 
-    /// Writes every bucket that is not dark as a line of text: object, cell, side, lamp, hits, energy (red, green, blue).
+    /// Writes every bucket that is not dark as a line of text, in order of object, cell, side and lamp: hits, energy (red, green, blue).
     /// Two solutions are equal if and only if their dumps are.
-    pub fn dump(&self, scene: &Scene, out: &mut impl Write) -> io::Result<()> {
+    pub fn dump(&self, configuration: &Configuration, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "object\tcell\tside\tlamp\thits\tred\tgreen\tblue")?;
-        for (at, bucket) in self.lit() {
-            let (object, lamp) = (&scene.objects[at.object as usize].name, &scene.lamps[usize::from(at.lamp)].name);
+        let object = |at: &Address| configuration.object(at.object as usize).name.as_str();
+        let lamp = |at: &Address| configuration.lamp(usize::from(at.lamp)).name.as_str();
+        let mut lit: Vec<(Address, Bucket)> = self.lit().collect();
+        lit.sort_by(|(a, _), (b, _)| (object(a), a.cell, a.side, lamp(a)).cmp(&(object(b), b.cell, b.side, lamp(b))));
+        for (at, bucket) in &lit {
             let side = if at.side == 0 { "front" } else { "back" };
             let [red, green, blue] = bucket.energy;
-            writeln!(out, "{object}\t{}\t{side}\t{lamp}\t{}\t{red}\t{green}\t{blue}", at.cell, bucket.hits)?;
+            writeln!(out, "{}\t{}\t{side}\t{}\t{}\t{red}\t{green}\t{blue}", object(at), at.cell, lamp(at), bucket.hits)?;
         }
         Ok(())
     }
 
     /// Memory of the pages in use, bytes.
     pub fn bytes(&self) -> usize {
-        self.pages.iter().flatten().map(|p| std::mem::size_of_val::<[Bucket]>(p)).sum()
+        self.pages.iter().flatten().flatten().map(|p| std::mem::size_of_val::<[Bucket]>(p)).sum()
     }
 }
 
 impl PartialEq for Buckets {
     /// Equal light, whatever pages were touched on the way.
     fn eq(&self, other: &Self) -> bool {
-        self.cells == other.cells && self.lamps == other.lamps && self.lit().eq(other.lit())
+        self.lit().eq(other.lit())
     }
 }

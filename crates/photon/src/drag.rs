@@ -52,7 +52,7 @@ enum Worker {
 impl Play<'_> {
     /// Plays until the light is that of `end`, or for `limit` frames. `None` if `progress` returns `false`.
     pub fn run(&self, order: Order, limit: usize, progress: &mut dyn FnMut(usize) -> bool) -> Option<Vec<Frame>> {
-        let scale = Scale::new(self.start.world().scene(), self.start.rules(), self.start.pool().photons());
+        let scale = Scale::new(self.start.world(), self.start.pool().photons());
         let error = |light: &Buckets| self.visible.error(light, self.end.buckets(), &scale);
         let whole = error(self.start.buckets());
         let mut worker = match order {

@@ -5,10 +5,9 @@
 
 use crate::{
     bucket::{Buckets, ENERGY_BITS},
-    path::Rules,
+    world::World,
 };
 use glam::DVec3;
-use lightmend_scene::Scene;
 
 /// Irradiance of one side of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,10 +37,15 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// For a pool of which `photons` have been shot.
-    pub fn new(scene: &Scene, rules: &Rules, photons: u64) -> Scale {
+    /// For a pool of which `photons` have been shot at `world`.
+    pub fn new(world: &World, photons: u64) -> Scale {
         let unit = 1.0 / (1u64 << ENERGY_BITS) as f64 / photons.max(1) as f64;
-        Scale { lumens: scene.lamps.iter().enumerate().map(|(l, lamp)| lamp.flux() * (unit / rules.lamps.chance(l))).collect() }
+        let configuration = world.configuration();
+        let mut lumens = vec![DVec3::ZERO; configuration.lamp_slots()];
+        for (id, lamp) in configuration.lamps() {
+            lumens[id] = lamp.flux() * (unit / world.choice().chance(id));
+        }
+        Scale { lumens }
     }
 
     /// Lumens per unit of energy of lamp `lamp`.

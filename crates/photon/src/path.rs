@@ -7,12 +7,11 @@
 
 use crate::{
     bucket::{Address, Deposit, energy},
-    emission::LampChoice,
     halton::Sequence,
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle},
-    world::{Difference, Phantoms, World},
+    world::{Crowd, Difference, World},
 };
 use glam::Vec3;
 use lightmend_scene::Direct;
@@ -32,27 +31,13 @@ pub enum FirstHits {
     Always,
 }
 
-/// How photons become paths; the same for all of a pool.
+/// How photons become paths; the same for all of a pool, in all worlds.
 #[derive(Debug)]
 pub struct Rules {
     /// Their random numbers.
     pub sequence: Sequence,
-    /// Their lamps.
-    pub lamps: LampChoice,
-    /// Per lamp, whether the first hit deposits.
-    pub first_hits: Vec<bool>,
-}
-
-impl Rules {
-    /// Rules for a scene's lamps.
-    pub fn new(scene: &lightmend_scene::Scene, sequence: Sequence, first_hits: FirstHits) -> Rules {
-        let counts = |lamp: &lightmend_scene::Lamp| match first_hits {
-            FirstHits::AsLampsSay => lamp.direct == Direct::Photons,
-            FirstHits::Never => false,
-            FirstHits::Always => true,
-        };
-        Rules { sequence, lamps: LampChoice::new(scene), first_hits: scene.lamps.iter().map(counts).collect() }
-    }
+    /// Which hits deposit.
+    pub first_hits: FirstHits,
 }
 
 /// How a path ended.
@@ -71,6 +56,8 @@ pub enum End {
 pub struct Photon<'w> {
     index: PhotonIndex,
     lamp: u16,
+    /// Whether its first hit deposits.
+    first_counts: bool,
     hits: u32,
     throughput: Vec3,
     ray: Ray<'w>,
@@ -87,16 +74,27 @@ pub trait Record {
 }
 
 impl<'w> Photon<'w> {
-    /// Photon `index` as it leaves its lamp.
-    pub fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Photon<'w> {
-        let (lamp, u) = rules.lamps.choose(rules.sequence.value(index.0, 0));
+    /// Photon `index` as it leaves its lamp; `None` if there is no lamp.
+    fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
+        let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
         let ray = Ray::new(world.lamps()[lamp].position.as_vec3(), direction, None, 0.0);
-        Photon { index, lamp: lamp as u16, hits: 0, throughput: Vec3::ONE, ray }
+        let first_counts = match rules.first_hits {
+            FirstHits::AsLampsSay => world.configuration().lamp(lamp).direct == Direct::Photons,
+            FirstHits::Never => false,
+            FirstHits::Always => true,
+        };
+        Some(Photon { index, lamp: lamp as u16, first_counts, hits: 0, throughput: Vec3::ONE, ray })
     }
 
-    /// The index of its lamp.
-    pub fn lamp(&self) -> usize {
+    /// Whether it leaves the same lamp on the same ray.
+    fn leaves_like(&self, other: &Photon) -> bool {
+        let bits = |ray: &Ray| [ray.origin, ray.direction].map(|v| v.to_array().map(f32::to_bits));
+        self.lamp == other.lamp && bits(&self.ray) == bits(&other.ray)
+    }
+
+    /// The number of its lamp.
+    fn lamp(&self) -> usize {
         usize::from(self.lamp)
     }
 
@@ -108,7 +106,7 @@ impl<'w> Photon<'w> {
         };
         let normal = hit.triangle.normal;
         let back = normal.dot(self.ray.direction) > 0.0;
-        let deposits = self.hits > 0 || rules.first_hits[self.lamp()];
+        let deposits = self.hits > 0 || self.first_counts;
         record.hit(&hit, u8::from(back), self.throughput, self.lamp, deposits, world);
         let reflectance = reflectance(world, &hit);
         let survival = reflectance.max_element();
@@ -156,10 +154,9 @@ impl<'w> Photon<'w> {
 
 /// Reflectance of the surface at a hit, per channel.
 pub fn reflectance(world: &World, hit: &Hit) -> Vec3 {
-    let scene = world.scene();
-    let object = &scene.objects[hit.triangle.object()];
+    let object = world.object(hit.triangle.object());
     let t = hit.triangle.in_mesh();
-    let material = &scene.materials[object.materials[usize::from(object.mesh.material_of[t])]];
+    let material = object.material(t);
     material.reflectance_at(|| match object.mesh.uvs.get(t) {
         None => [0.0; 2],
         Some(uvs) => {
@@ -171,7 +168,9 @@ pub fn reflectance(world: &World, hit: &Hit) -> Vec3 {
 
 /// Traces photon `index` through `world`.
 pub fn trace(rules: &Rules, world: &World, index: PhotonIndex, record: &mut impl Record) {
-    Photon::emit(rules, world, index).follow(rules, world, record);
+    if let Some(photon) = Photon::emit(rules, world, index) {
+        photon.follow(rules, world, record);
+    }
 }
 
 /// What a photon met of what changed, on the part of its way that is the same in both worlds.
@@ -179,11 +178,11 @@ pub fn trace(rules: &Rules, world: &World, index: PhotonIndex, record: &mut impl
 pub enum Touched {
     /// Nothing: both paths are the same.
     Nothing,
-    /// A changed object where it now stands.
+    /// A changed object where it now stands, or as it now is.
     Object(usize),
     /// A changed object where it stood: its phantom.
     Phantom(usize),
-    /// The photon leaves a lamp that was moved.
+    /// The photon leaves a lamp that changed, or another one than before.
     Lamp(usize),
 }
 
@@ -194,23 +193,37 @@ pub fn trace_both(
     rules: &Rules,
     worlds: [&World; 2],
     changed: &Difference,
-    phantoms: &Phantoms,
+    phantoms: &Crowd,
     index: PhotonIndex,
     old: &mut impl Record,
     new: &mut impl Record,
 ) -> Touched {
     let [before, after] = worlds;
-    let mut photon = Photon::emit(rules, after, index);
-    if changed.lamps.contains(&photon.lamp()) {
-        let lamp = photon.lamp();
-        Photon::emit(rules, before, index).follow(rules, before, old);
-        photon.follow(rules, after, new);
-        return Touched::Lamp(lamp);
-    }
+    let leaving = Photon::emit(rules, after, index);
+    let left = if changed.choice { Photon::emit(rules, before, index) } else { leaving };
+    let alike = match (&left, &leaving) {
+        (Some(old), Some(new)) => old.leaves_like(new) && !changed.lamps.contains(&new.lamp()),
+        (None, None) => return Touched::Nothing,
+        _ => false,
+    };
+    let mut photon = match leaving {
+        Some(photon) if alike => photon,
+        _ => {
+            let left = if changed.choice { left } else { Photon::emit(rules, before, index) };
+            let lamp = leaving.or(left).map_or(0, |photon| photon.lamp());
+            if let Some(photon) = left {
+                photon.follow(rules, before, old);
+            }
+            if let Some(photon) = leaving {
+                photon.follow(rules, after, new);
+            }
+            return Touched::Lamp(lamp);
+        }
+    };
     loop {
         new.ray();
         let met = after.nearest(&photon.ray);
-        let phantom = before.nearest_of(phantoms, &photon.ray, met).filter(|hit| !is_same(hit, &met));
+        let phantom = phantoms.nearest(&photon.ray, met).filter(|hit| !is_same(hit, &met));
         let touched = match (&met, &phantom) {
             (_, Some(hit)) => Touched::Phantom(hit.triangle.object()),
             (Some(hit), None) if changed.objects.binary_search(&hit.triangle.object()).is_ok() => {
@@ -328,14 +341,14 @@ impl Record for Outcome {
 /// The mesh element at a hit.
 #[inline]
 pub fn cell(world: &World, hit: &Hit) -> u32 {
-    let lattice = &world.scene().objects[hit.triangle.object()].lattice;
+    let lattice = &world.object(hit.triangle.object()).lattice;
     lattice.cell(hit.triangle.in_mesh(), hit.weights[1], hit.weights[2])
 }
 
 /// A hit of a path and what it deposits, to compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Footprint {
-    triangle: u64,
+    triangle: (u64, u32),
     side: u8,
     position: [u32; 3],
     // The same place of the world can be another element of an object that slid within its own surface.
@@ -368,7 +381,7 @@ impl Record for Trail {
     fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, _: u16, _: bool, world: &World) {
         let position = hit.triangle.point(hit.weights).to_array().map(f32::to_bits);
         let (cell, energy) = (cell(world, hit), energy(throughput));
-        self.hits.push(Footprint { triangle: hit.triangle.id, side, position, cell, energy });
+        self.hits.push(Footprint { triangle: hit.triangle.order(), side, position, cell, energy });
     }
 
     fn end(&mut self, _: End, _: Vec3, _: u16) {}

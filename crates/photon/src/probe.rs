@@ -25,15 +25,16 @@ pub fn direct(world: &World, point: DVec3, normal: DVec3) -> DVec3 {
 
 /// As [`direct`], of the lamps that `counts` names.
 pub fn direct_of(world: &World, point: DVec3, normal: DVec3, counts: impl Fn(usize) -> bool) -> DVec3 {
-    let scene = world.scene();
     let above = (point + normal * f64::from(world.reach().step_back()) * 4.0).as_vec3();
     let mut sum = DVec3::ZERO;
-    for (id, lamp) in world.lamps().iter().enumerate() {
+    let configuration = world.configuration();
+    for (id, _) in configuration.lamps() {
+        let lamp = &world.lamps()[id];
         let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
         let cosine = to_lamp.dot(normal) / squared.sqrt();
         if counts(id) && cosine > 0.0 && world.sees(above, id) {
-            sum += scene.lamps[id].candela(lamp.rotation.transpose() * -to_lamp) * (cosine / squared);
+            sum += configuration.lamp(id).candela(lamp.rotation.transpose() * -to_lamp) * (cosine / squared);
         }
     }
     sum
@@ -74,7 +75,7 @@ pub fn locate(world: &World, point: DVec3, normal: DVec3) -> Option<Place> {
         }
         let element = |hit: &Hit| {
             let object = hit.triangle.object();
-            let area = world.scene().objects[object].lattice.area_in(hit.triangle.in_mesh());
+            let area = world.object(object).lattice.area_in(hit.triangle.in_mesh());
             Element { object, cell: path::cell(world, hit), side: usize::from(front(hit) < 0.0), area }
         };
         return Some(Place { point, normal, elements: world.layers(&ray, hit).iter().map(element).collect() });

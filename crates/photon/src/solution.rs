@@ -69,7 +69,7 @@ impl Solution {
         first_hits: FirstHits,
         progress: &mut dyn FnMut(u64, u64) -> bool,
     ) -> Option<Solution> {
-        let rules = Arc::new(Rules::new(world.scene(), Sequence::new(pool.scrambling), first_hits));
+        let rules = Arc::new(Rules { sequence: Sequence::new(pool.scrambling), first_hits });
         let mut shooting = Shooting::new(rules.clone(), world.clone());
         while shooting.photons() < pool.photons() {
             let left = pool.photons() - shooting.photons();
@@ -114,6 +114,13 @@ impl Solution {
         &self.tallies
     }
 
+    /// Whether another solution holds the same light to the bit: buckets and how paths ended.
+    pub fn equals(&self, other: &Solution) -> bool {
+        let slots = self.tallies.len().max(other.tallies.len());
+        let tally = |s: &Solution, lamp: usize| s.tallies.get(lamp).copied().unwrap_or_default();
+        self.buckets == other.buckets && (0..slots).all(|lamp| tally(self, lamp) == tally(other, lamp))
+    }
+
     /// The world that stale groups are brought to.
     pub fn world(&self) -> &Arc<World> {
         &self.world
@@ -121,6 +128,8 @@ impl Solution {
 
     /// From now on, stale groups are brought to this world. Nothing is traced yet.
     pub fn change(&mut self, world: Arc<World>) {
+        self.buckets.grow(world.configuration());
+        self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.forget_unused_pasts();
         for past in &mut self.pasts {
@@ -192,8 +201,8 @@ impl Solution {
             Touched::Nothing => false,
             Touched::Object(id) => past.changed.objects.contains(&id),
             // Only if that group holds the very same phantom.
-            Touched::Phantom(id) => past.changed.objects.contains(&id) && past.world.same_place(shot_at, id),
-            Touched::Lamp(id) => past.changed.lamps.contains(&id),
+            Touched::Phantom(id) => past.changed.phantoms.contains(&id) && past.world.same_place(shot_at, id),
+            Touched::Lamp(id) => past.changed.choice || past.changed.lamps.contains(&id),
         };
         if concerns {
             self.priority[group.0 as usize] += 1;
@@ -219,7 +228,7 @@ impl Solution {
         if lamps == 0 {
             return (Work::default(), Vec::new());
         }
-        let phantoms = before.phantoms(&changed.objects);
+        let phantoms = before.phantoms(&changed.phantoms);
         let tasks: Vec<_> = photons
             .par_chunks(TASK as usize)
             .map(|photons| {
@@ -278,8 +287,8 @@ pub struct Shooting {
 impl Shooting {
     /// Nothing shot yet.
     pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
-        let buckets = Buckets::new(world.scene());
-        let tallies = vec![Tally::default(); world.scene().lamps.len()];
+        let buckets = Buckets::new(world.configuration());
+        let tallies = vec![Tally::default(); world.configuration().lamp_slots()];
         Shooting { rules, world, buckets, tallies, work: Work::default() }
     }
 

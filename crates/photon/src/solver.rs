@@ -174,7 +174,7 @@ fn publish(shared: &Shared, solution: &Solution) {
     let photons = solution.pool().photons();
     let stale_groups = solution.stale_groups();
     let snapshot = Snapshot {
-        scale: Scale::new(configuration.scene(), solution.rules(), photons),
+        scale: Scale::new(solution.world(), photons),
         configuration,
         buckets: solution.buckets().clone(),
         photons,

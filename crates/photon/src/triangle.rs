@@ -4,7 +4,7 @@
 //! sheared to the same numbers in every triangle that shares it, so the signs of the edge functions on a shared edge are exactly
 //! opposite, never wrong, at worst zero; accepting zeros closes all edges. No fused multiply-add: Rust never contracts.
 //!
-//! The nearest hit is by distance, then by triangle id, so that a path never depends on the order in which a tree is visited.
+//! The nearest hit is by distance, then by a hash of the object's name and the triangle's number, so that a path never depends on the order in which a tree is visited.
 
 use glam::{Mat3A, Vec3, Vec3A};
 
@@ -15,27 +15,41 @@ pub struct Triangle {
     pub corners: [Vec3; 3],
     /// Unit normal of the front.
     pub normal: Vec3,
-    /// (object << 32) | triangle of its mesh. Objects are numbered by name: the order never depends on insertion.
-    pub id: u64,
+    /// Hash of the object's name: decides between hits at the same distance, whatever the objects' numbers are.
+    pub key: u64,
+    /// Number of the object.
+    pub object: u32,
+    /// Number of the triangle in the object's mesh.
+    pub in_mesh: u32,
 }
 
 impl Triangle {
-    /// A triangle of `object`, number `in_mesh` of its mesh.
-    pub fn new(corners: [Vec3; 3], object: usize, in_mesh: usize) -> Triangle {
+    /// Triangle `in_mesh` of object number `object`, whose name hashes to `key`.
+    pub fn new(corners: [Vec3; 3], key: u64, object: usize, in_mesh: usize) -> Triangle {
         // In f64, so that slivers have a normal.
         let [a, b, c] = corners.map(|v| v.as_dvec3());
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-        Triangle { corners, normal, id: (object as u64) << 32 | in_mesh as u64 }
+        Triangle { corners, normal, key, object: object as u32, in_mesh: in_mesh as u32 }
     }
 
-    /// Index of the object in its scene.
+    /// Number of the object.
     pub fn object(&self) -> usize {
-        (self.id >> 32) as usize
+        self.object as usize
     }
 
-    /// Index of the triangle in the object's mesh.
+    /// Number of the triangle in the object's mesh.
     pub fn in_mesh(&self) -> usize {
-        (self.id & 0xffff_ffff) as usize
+        self.in_mesh as usize
+    }
+
+    /// What is compared between hits at the same distance.
+    pub fn order(&self) -> (u64, u32) {
+        (self.key, self.in_mesh)
+    }
+
+    /// Whether it is the same triangle of the same object, wherever that stands.
+    pub fn is(&self, other: &Triangle) -> bool {
+        (self.object, self.in_mesh) == (other.object, other.in_mesh)
     }
 
     /// The point with these barycentric weights, kept inside the triangle's box: on an axis-parallel wall it never leaves it.
@@ -94,7 +108,7 @@ impl<'a> Ray<'a> {
         Ray { origin, direction, leaves, near, shear: Mat3A::from_cols(column(0), column(1), column(2)) }
     }
 
-    /// Meets a triangle if it is nearer than `best`, or as near and of smaller id.
+    /// Meets a triangle if it is nearer than `best`, or as near and smaller order.
     #[inline]
     pub fn meet<'t>(&self, triangle: &'t Triangle, best: &Option<Hit<'t>>) -> Option<Hit<'t>> {
         let origin = Vec3A::from(self.origin);
@@ -122,12 +136,12 @@ impl<'a> Ray<'a> {
             return None;
         }
         if let Some(best) = best
-            && (distance > best.distance || (distance == best.distance && triangle.id >= best.triangle.id))
+            && (distance > best.distance || (distance == best.distance && triangle.order() >= best.triangle.order()))
         {
             return None;
         }
         if let Some(left) = self.leaves
-            && (left.id == triangle.id || (distance < self.near && self.leaves_plane_of(left, triangle)))
+            && (left.is(triangle) || (distance < self.near && self.leaves_plane_of(left, triangle)))
         {
             return None;
         }
@@ -150,7 +164,7 @@ mod tests {
     use glam::vec3;
 
     fn triangle(a: Vec3, b: Vec3, c: Vec3, id: usize) -> Triangle {
-        Triangle::new([a, b, c], 0, id)
+        Triangle::new([a, b, c], 0, 0, id)
     }
 
     #[test]
@@ -178,10 +192,10 @@ mod tests {
     #[test]
     fn ties_go_to_the_smaller_id() {
         let a = triangle(vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 5);
-        let b = Triangle { id: 3, ..a };
+        let b = Triangle { in_mesh: 3, ..a };
         let ray = Ray::new(vec3(0.2, 0.2, 1.0), vec3(0.0, 0.0, -1.0), None, 0.0);
         let first = ray.meet(&a, &None);
-        assert_eq!(ray.meet(&b, &first).unwrap().triangle.id, 3);
+        assert_eq!(ray.meet(&b, &first).unwrap().triangle.in_mesh, 3);
         let first = ray.meet(&b, &None);
         assert!(ray.meet(&a, &first).is_none());
     }

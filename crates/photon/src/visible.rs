@@ -36,7 +36,7 @@ impl Lens {
         let mut ray = Ray::new(self.eye, direction, None, 0.0);
         loop {
             let hit = world.nearest(&ray)?;
-            if !world.scene().objects[hit.triangle.object()].hidden_from_camera {
+            if !world.object(hit.triangle.object()).hidden_from_camera {
                 return Some((hit, direction));
             }
             ray = Ray::new(hit.triangle.point(hit.weights), direction, Some(hit.triangle), world.reach().step_back());
@@ -57,13 +57,13 @@ const HEIGHT: u32 = 240;
 impl Visible {
     /// Casts a ray per pixel of a 320 × 240 picture.
     pub fn new(world: &World, view: &View) -> Visible {
-        let lens = Lens::new(view, world.scene().up);
+        let lens = Lens::new(view, world.configuration().scene().up);
         let see = |pixel: u32| {
             let x = (2.0 * f64::from(pixel % WIDTH) + 1.0 - f64::from(WIDTH)) / f64::from(HEIGHT);
             let y = 1.0 - (2.0 * f64::from(pixel / WIDTH) + 1.0) / f64::from(HEIGHT);
             let (hit, direction) = lens.see(world, x, y)?;
             let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal.dot(direction) > 0.0));
-            let area = world.scene().objects[object].lattice.area_in(hit.triangle.in_mesh());
+            let area = world.object(object).lattice.area_in(hit.triangle.in_mesh());
             Some((object, path::cell(world, &hit), side, area))
         };
         let mut pixels: Vec<_> = (0..WIDTH * HEIGHT).into_par_iter().filter_map(see).collect();

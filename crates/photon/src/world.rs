@@ -3,17 +3,49 @@
 use crate::{
     body::{Body, Reach, SLACK, TreePreset, inverse},
     boxes::Boxes,
+    emission::LampChoice,
+    hash::of_name,
     sampling::uniform_sphere,
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
-use lightmend_scene::{Configuration, Motion, Scene, lamp_rotation};
+use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation};
 use std::sync::Arc;
 
-/// A dynamic object where it stands.
-pub struct Placed {
+/// An object where it stands, with a tree of its own.
+struct Placed {
+    id: usize,
+    mesh: Arc<Mesh>,
     motion: Motion,
     body: Body,
+}
+
+/// Objects with trees of their own, in order of their numbers, and their boxes side by side.
+#[derive(Clone, Default)]
+pub struct Crowd {
+    placed: Vec<Arc<Placed>>,
+    boxes: Boxes,
+}
+
+impl Crowd {
+    fn new(placed: Vec<Arc<Placed>>) -> Crowd {
+        let boxes = Boxes::new(placed.iter().map(|placed| placed.body.bounds()));
+        Crowd { placed, boxes }
+    }
+
+    fn find(&self, id: usize) -> Option<&Arc<Placed>> {
+        self.placed.binary_search_by_key(&id, |placed| placed.id).ok().map(|n| &self.placed[n])
+    }
+
+    /// The nearest of `best` and these objects.
+    pub fn nearest<'t>(&'t self, ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
+        let limit = |best: &Option<Hit>| best.map_or(f32::INFINITY, |b| b.distance * SLACK);
+        self.boxes.entered(ray, inverse(ray.direction), limit(&best), |n| {
+            best = self.placed[n].body.nearest(ray, best);
+            limit(&best)
+        });
+        best
+    }
 }
 
 /// A lamp where it stands.
@@ -30,13 +62,13 @@ pub struct PlacedLamp {
 pub struct World {
     configuration: Configuration,
     fixed: Arc<Body>,
-    /// Per object; `None` if it is part of `fixed`.
-    dynamic: Vec<Option<Arc<Placed>>>,
-    /// The indices of the dynamic objects.
-    order: Arc<[usize]>,
-    /// Their boxes, in that order.
-    boxes: Boxes,
+    /// The objects in `fixed`, with their meshes, in order of their numbers.
+    fixed_objects: Arc<[(usize, Arc<Mesh>)]>,
+    /// All others.
+    crowd: Crowd,
+    /// By number, also those that are gone.
     lamps: Vec<PlacedLamp>,
+    choice: Arc<LampChoice>,
     reach: Reach,
     preset: TreePreset,
 }
@@ -44,31 +76,28 @@ pub struct World {
 /// What differs between two worlds.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Difference {
-    /// Objects that stand elsewhere, in order.
+    /// Objects of the new world whose surfaces are new, stand elsewhere or are of another material, and those that are gone; in order.
     pub objects: Vec<usize>,
-    /// Lamps that stand elsewhere, in order.
+    /// Those of them that stood somewhere in the old world where they no longer stand.
+    pub phantoms: Vec<usize>,
+    /// Lamps that are new or gone, stand elsewhere or shine otherwise, in order.
     pub lamps: Vec<usize>,
+    /// Whether photons are shared out among the lamps otherwise.
+    pub choice: bool,
 }
 
 impl Difference {
     /// Whether nothing differs.
     pub fn is_empty(&self) -> bool {
-        self.objects.is_empty() && self.lamps.is_empty()
+        self.objects.is_empty() && self.lamps.is_empty() && !self.choice
     }
 }
 
-/// Objects of an earlier world (Dmitriev et al. 2002, §5.1: scene phantoms), with their boxes.
-#[derive(Debug, Clone, Default)]
-pub struct Phantoms {
-    objects: Vec<usize>,
-    boxes: Boxes,
-}
-
-fn placed_triangles(scene: &Scene, id: usize, motion: &Motion) -> Vec<Triangle> {
-    let mesh = &scene.objects[id].mesh;
-    let corners: Vec<Vec3> = mesh.positions.iter().map(|p| motion.point(*p).as_vec3()).collect();
-    let triangles = mesh.triangles.iter().enumerate();
-    triangles.map(|(t, indices)| Triangle::new(indices.map(|i| corners[i as usize]), id, t)).collect()
+fn triangles_of(object: &Object, id: usize, motion: &Motion) -> Vec<Triangle> {
+    let corners: Vec<Vec3> = object.mesh.positions.iter().map(|p| motion.point(*p).as_vec3()).collect();
+    let key = of_name(&object.name);
+    let triangles = object.mesh.triangles.iter().enumerate();
+    triangles.map(|(t, indices)| Triangle::new(indices.map(|i| corners[i as usize]), key, id, t)).collect()
 }
 
 fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
@@ -76,77 +105,121 @@ fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
     PlacedLamp { position: motion.translation, rotation: lamp_rotation(configuration.scene().up, &motion) }
 }
 
-impl World {
-    /// Builds all trees. `preset` is for what stands still; what moves is built [`TreePreset::Fast`].
-    pub fn new(configuration: &Configuration, preset: TreePreset) -> World {
-        let scene = configuration.scene();
-        let motions = configuration.object_motions();
-        let initial = Configuration::initial(scene).object_motions();
-        // From the file's poses, not the current ones: a path must not depend on where a moved object has been.
-        let largest = scene
-            .objects
-            .iter()
-            .zip(&initial)
-            .flat_map(|(object, motion)| object.mesh.positions.iter().map(|p| motion.point(*p).abs().max_element() as f32));
-        let reach = Reach::new(largest.fold(0.0, f32::max));
-        let fixed: Vec<Triangle> = (0..scene.objects.len())
-            .filter(|id| !scene.objects[*id].dynamic)
-            .flat_map(|id| placed_triangles(scene, id, &motions[id]))
-            .collect();
-        let order: Arc<[usize]> = (0..scene.objects.len()).filter(|id| scene.objects[*id].dynamic).collect();
-        let mut world = World {
-            configuration: configuration.clone(),
-            fixed: Arc::new(Body::new(fixed, reach, preset)),
-            dynamic: vec![None; scene.objects.len()],
-            order: order.clone(),
-            boxes: Boxes::default(),
-            lamps: (0..scene.lamps.len()).map(|id| place_lamp(configuration, id)).collect(),
-            reach,
-            preset: if preset == TreePreset::Medium { TreePreset::Fast } else { TreePreset::Medium },
+/// From what never moves, so that a path depends on no object's history: the fixed objects as the file states them; without any, the
+/// meshes themselves.
+fn reach(configuration: &Configuration) -> Reach {
+    let initial = Configuration::initial(configuration.scene());
+    let largest = |fixed: bool| {
+        let objects = initial.objects().filter(|(_, object)| !fixed || !object.dynamic);
+        let farthest = |(id, object): (usize, &Object)| {
+            let motion = fixed.then(|| initial.object_motion(id));
+            let at = |p: &DVec3| motion.map_or(*p, |m| m.point(*p)).abs().max_element() as f32;
+            object.mesh.positions.iter().map(at).fold(0.0, f32::max)
         };
-        for id in order.iter() {
-            world.dynamic[*id] = Some(world.place(*id, motions[*id]));
-        }
-        world.boxes = world.bounds_of_dynamic();
-        world
+        objects.map(farthest).fold(0.0, f32::max)
+    };
+    let fixed = largest(true);
+    Reach::new(if fixed > 0.0 { fixed } else { largest(false) })
+}
+
+impl World {
+    /// Builds all trees. `preset` is for what stands still; what moves gets the other one.
+    pub fn new(configuration: &Configuration, preset: TreePreset) -> World {
+        let fixed: Vec<usize> = configuration.objects().filter(|(_, o)| !o.dynamic).map(|(id, _)| id).collect();
+        let reach = reach(configuration);
+        let world = World {
+            configuration: configuration.clone(),
+            fixed: fixed_body(configuration, &fixed, reach, preset),
+            fixed_objects: fixed.iter().map(|id| (*id, configuration.object(*id).mesh.clone())).collect(),
+            crowd: Crowd::default(),
+            lamps: Vec::new(),
+            choice: Arc::new(LampChoice::new(configuration)),
+            reach,
+            preset,
+        };
+        world.moved_to(configuration)
     }
 
-    fn bounds_of_dynamic(&self) -> Boxes {
-        Boxes::new(self.order.iter().filter_map(|id| self.dynamic[*id].as_ref()).map(|placed| placed.body.bounds()))
+    /// The world of another configuration of the same scene; only what changed is built anew.
+    pub fn moved_to(&self, configuration: &Configuration) -> World {
+        let mut world = World { configuration: configuration.clone(), ..self.clone() };
+        let stands =
+            |(id, mesh): &(usize, Arc<Mesh>)| configuration.has_object(*id) && Arc::ptr_eq(mesh, &configuration.object(*id).mesh);
+        if !self.fixed_objects.iter().all(stands) {
+            // Something fixed is gone: what is fixed now, also what was added since, makes a new tree.
+            return World::new(configuration, self.preset);
+        }
+        let is_fixed = |id: usize| self.fixed_objects.binary_search_by_key(&id, |(fixed, _)| *fixed).is_ok();
+        let movers = configuration.objects().filter(|(id, _)| !is_fixed(*id));
+        let placed = movers.map(|(id, object)| {
+            let motion = configuration.object_motion(id);
+            let kept = self.crowd.find(id).filter(|p| p.motion == motion && Arc::ptr_eq(&p.mesh, &object.mesh));
+            kept.cloned().unwrap_or_else(|| world.place(id, motion))
+        });
+        world.crowd = Crowd::new(placed.collect());
+        world.lamps = (0..configuration.lamp_slots()).map(|id| place_lamp(configuration, id)).collect();
+        let choice = LampChoice::new(configuration);
+        if choice != *self.choice {
+            world.choice = Arc::new(choice);
+        }
+        world
     }
 
     fn place(&self, id: usize, motion: Motion) -> Arc<Placed> {
-        let triangles = placed_triangles(self.configuration.scene(), id, &motion);
-        Arc::new(Placed { motion, body: Body::new(triangles, self.reach, self.preset) })
+        let object = self.configuration.object(id);
+        let preset = if self.preset == TreePreset::Medium { TreePreset::Fast } else { TreePreset::Medium };
+        let body = Body::new(triangles_of(object, id, &motion), self.reach, preset);
+        Arc::new(Placed { id, mesh: object.mesh.clone(), motion, body })
     }
 
-    /// The world of another configuration of the same scene; only what moved is built anew.
-    pub fn moved_to(&self, configuration: &Configuration) -> World {
-        let mut world = World { configuration: configuration.clone(), ..self.clone() };
-        for id in self.order.iter() {
-            let motion = configuration.object_motion(*id);
-            if self.dynamic[*id].as_ref().is_none_or(|placed| placed.motion != motion) {
-                world.dynamic[*id] = Some(self.place(*id, motion));
+    /// Where object `id` stands.
+    fn motion(&self, id: usize) -> Motion {
+        self.crowd.find(id).map_or_else(|| self.configuration.object_motion(id), |placed| placed.motion)
+    }
+
+    /// Whether object `id` is there in both worlds, with the same triangles in the same place.
+    pub fn same_place(&self, other: &World, id: usize) -> bool {
+        let [a, b] = [self, other].map(|world| &world.configuration);
+        let (fixed, is_fixed) = (self.crowd.find(id).is_none(), other.crowd.find(id).is_none());
+        a.has_object(id)
+            && b.has_object(id)
+            && Arc::ptr_eq(&a.object(id).mesh, &b.object(id).mesh)
+            && ((fixed && is_fixed) || self.motion(id) == other.motion(id))
+    }
+
+    /// From this world to `new`.
+    pub fn difference(&self, new: &World) -> Difference {
+        let [before, after] = [self, new].map(|world| &world.configuration);
+        let mut difference = Difference { choice: *self.choice != *new.choice, ..Difference::default() };
+        for id in 0..before.object_slots().max(after.object_slots()) {
+            let (was, is) = (before.has_object(id), after.has_object(id));
+            let moved = was != is || (was && !self.same_place(new, id));
+            let repainted = was && is && {
+                let (old, new) = (before.object(id), after.object(id));
+                !std::ptr::eq(old, new) && !old.same_surfaces(new)
+            };
+            if moved || repainted {
+                difference.objects.push(id);
+            }
+            if moved && was {
+                difference.phantoms.push(id);
             }
         }
-        world.boxes = world.bounds_of_dynamic();
-        world.lamps = (0..self.lamps.len()).map(|id| place_lamp(configuration, id)).collect();
-        world
-    }
-
-    /// What stands elsewhere in `other`.
-    pub fn difference(&self, other: &World) -> Difference {
-        let motion = |world: &World, id: usize| world.dynamic[id].as_ref().map(|placed| placed.motion);
-        Difference {
-            objects: self.order.iter().copied().filter(|id| motion(self, *id) != motion(other, *id)).collect(),
-            lamps: (0..self.lamps.len()).filter(|id| self.lamps[*id] != other.lamps[*id]).collect(),
+        for id in 0..before.lamp_slots().max(after.lamp_slots()) {
+            let (was, is) = (before.has_lamp(id), after.has_lamp(id));
+            let shines_alike = |a: &Lamp, b: &Lamp| a.photometry == b.photometry && a.direct == b.direct;
+            if was != is || (was && !(self.lamps[id] == new.lamps[id] && shines_alike(before.lamp(id), after.lamp(id)))) {
+                difference.lamps.push(id);
+            }
         }
+        difference
     }
 
-    /// Whether object `id` stands in `other` where it stands here.
-    pub fn same_place(&self, other: &World, id: usize) -> bool {
-        let motion = |world: &World| world.dynamic[id].as_ref().map(|placed| placed.motion);
-        motion(self) == motion(other)
+    /// The objects `ids` where they stand in this world, to be met beside those of another: its phantoms
+    /// (Dmitriev et al. 2002, §5.1).
+    pub fn phantoms(&self, ids: &[usize]) -> Crowd {
+        let placed = |id: &usize| self.crowd.find(*id).cloned().unwrap_or_else(|| self.place(*id, self.motion(*id)));
+        Crowd::new(ids.iter().map(placed).collect())
     }
 
     /// The configuration that this is.
@@ -154,14 +227,20 @@ impl World {
         &self.configuration
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &Arc<Scene> {
-        self.configuration.scene()
+    /// Object number `id`.
+    #[inline]
+    pub fn object(&self, id: usize) -> &Object {
+        self.configuration.object(id)
     }
 
-    /// The lamps where they stand.
+    /// The lamps where they stand, by number, also those that are gone.
     pub fn lamps(&self) -> &[PlacedLamp] {
         &self.lamps
+    }
+
+    /// How photons are shared out among the lamps.
+    pub fn choice(&self) -> &LampChoice {
+        &self.choice
     }
 
     /// How far the scene reaches.
@@ -171,8 +250,7 @@ impl World {
 
     /// The first surface that a ray meets. One traversal: movables first, each behind its box, then what is fixed.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
-        let best = self.nearest_in(&self.boxes, &self.order, ray, None);
-        self.fixed.nearest(ray, best)
+        self.fixed.nearest(ray, self.crowd.nearest(ray, None))
     }
 
     /// What the ray meets at the distance of `hit`, but for rounding: surfaces that lie in one another. Which of them a photon meets is
@@ -182,40 +260,18 @@ impl World {
         // A few roundings of the largest coordinate.
         let slack = 1e-6 * self.reach.metres;
         let mut found = Vec::new();
-        for body in self.dynamic.iter().flatten().map(|placed| &placed.body).chain([&*self.fixed]) {
+        for body in self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.fixed]) {
             body.meet_all(ray, hit.distance + slack, &mut found);
         }
         found.retain(|other| {
-            other.triangle.id != hit.triangle.id
+            !other.triangle.is(hit.triangle)
                 && other.distance >= hit.distance - slack
                 && other.weights.iter().all(|w| *w > 0.0)
                 && other.triangle.normal.dot(hit.triangle.normal).abs() > 0.999
         });
-        found.sort_by_key(|other| other.triangle.id);
+        found.sort_by_key(|other| other.triangle.order());
         found.insert(0, hit);
         found
-    }
-
-    /// The nearest of `best` and the objects `ids` where they stand in this world.
-    pub fn nearest_of<'t>(&'t self, ids: &Phantoms, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        self.nearest_in(&ids.boxes, &ids.objects, ray, best)
-    }
-
-    fn nearest_in<'t>(&'t self, boxes: &Boxes, ids: &[usize], ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let limit = |best: &Option<Hit>| best.map_or(f32::INFINITY, |b| b.distance * SLACK);
-        boxes.entered(ray, inverse(ray.direction), limit(&best), |n| {
-            if let Some(placed) = &self.dynamic[ids[n]] {
-                best = placed.body.nearest(ray, best);
-            }
-            limit(&best)
-        });
-        best
-    }
-
-    /// The objects `ids` where they stand in this world, to be met beside those of another.
-    pub fn phantoms(&self, ids: &[usize]) -> Phantoms {
-        let placed = ids.iter().filter_map(|id| self.dynamic[*id].as_ref());
-        Phantoms { boxes: Boxes::new(placed.map(|placed| placed.body.bounds())), objects: ids.to_vec() }
     }
 
     /// Whether nothing stands between a point just above a surface and a lamp.
@@ -226,10 +282,15 @@ impl World {
 
     /// The direction in which a photon leaves lamp `id`, unit.
     pub fn emission(&self, id: usize, u: f64, v: f64) -> Vec3 {
-        let local = match &self.scene().lamps[id].photometry {
+        let local = match &self.configuration.lamp(id).photometry {
             None => uniform_sphere(u, v),
             Some(photometry) => photometry.sample(u, v),
         };
         (self.lamps[id].rotation * local).as_vec3()
     }
+}
+
+fn fixed_body(configuration: &Configuration, ids: &[usize], reach: Reach, preset: TreePreset) -> Arc<Body> {
+    let triangles = |id: &usize| triangles_of(configuration.object(*id), *id, &configuration.object_motion(*id));
+    Arc::new(Body::new(ids.iter().flat_map(triangles).collect(), reach, preset))
 }

@@ -1,29 +1,15 @@
-//! What can change: an immutable state of the scene, and the edits that lead from one to the next.
+//! What can change: an immutable state of the scene. Edits ([`crate::Edit`]) lead from one to the next.
+//!
+//! Objects and lamps keep their number for good: what is removed leaves its place empty and takes it again when it comes back, so
+//! that buckets and trees can be told by number.
 
-use crate::{FARTHEST, Motion, Pose, Scene, SceneError, within_reach};
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-
-/// One change of the scene. It states the new pose absolutely (relative to the carrier of what rides), never an increment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Edit {
-    /// Put an object at a position, metres.
-    Move {
-        /// Its name.
-        object: String,
-        /// Metres.
-        to: DVec3,
-    },
-    /// Turn an object to a rotation, degrees about x, y, z.
-    Turn {
-        /// Its name.
-        object: String,
-        /// Degrees.
-        to: DVec3,
-    },
-}
+use crate::{
+    Lamp, Material, Motion, Object, Pose, Scene, SceneError,
+    format::{MaterialEntry, SceneFile},
+    scene::same,
+    unknown,
+};
+use std::{collections::BTreeMap, sync::Arc};
 
 /// The state of everything that edits can change. Immutable; a clone costs a pointer.
 #[derive(Debug, Clone)]
@@ -32,10 +18,38 @@ pub struct Configuration {
     state: Arc<State>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
-struct State {
-    objects: Vec<Pose>,
-    lamps: Vec<Pose>,
+/// A numbered place for an object or a lamp.
+#[derive(Debug)]
+pub(crate) struct Slot<T> {
+    pub thing: Arc<T>,
+    pub present: bool,
+}
+
+impl<T> Clone for Slot<T> {
+    fn clone(&self) -> Self {
+        Slot { thing: self.thing.clone(), present: self.present }
+    }
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    pub objects: Vec<Slot<Object>>,
+    pub lamps: Vec<Slot<Lamp>>,
+    pub materials: BTreeMap<String, Arc<Material>>,
+}
+
+fn slots_equal<T: PartialEq>(a: &[Slot<T>], b: &[Slot<T>]) -> bool {
+    let absent = |slots: &[Slot<T>]| slots.iter().all(|s| !s.present);
+    let common = a.len().min(b.len());
+    let equal = |(a, b): (&Slot<T>, &Slot<T>)| a.present == b.present && (!a.present || same(&a.thing, &b.thing));
+    a.iter().zip(b).all(equal) && absent(&a[common..]) && absent(&b[common..])
+}
+
+impl PartialEq for State {
+    /// What is removed does not count.
+    fn eq(&self, other: &Self) -> bool {
+        slots_equal(&self.objects, &other.objects) && slots_equal(&self.lamps, &other.lamps)
+    }
 }
 
 impl PartialEq for Configuration {
@@ -44,12 +58,39 @@ impl PartialEq for Configuration {
     }
 }
 
+fn present<T>(slots: &[Slot<T>]) -> impl Iterator<Item = (usize, &T)> {
+    slots.iter().enumerate().filter(|(_, slot)| slot.present).map(|(id, slot)| (id, &*slot.thing))
+}
+
+impl State {
+    pub fn object_id(&self, name: &str) -> Result<usize, SceneError> {
+        let names = || present(&self.objects).map(|(_, o)| o.name.as_str());
+        let found = present(&self.objects).find(|(_, o)| o.name == name).map(|(id, _)| id);
+        found.ok_or_else(|| SceneError::Edit(unknown("object", name, names())))
+    }
+
+    pub fn lamp_id(&self, name: &str) -> Result<usize, SceneError> {
+        let names = || present(&self.lamps).map(|(_, l)| l.name.as_str());
+        let found = present(&self.lamps).find(|(_, l)| l.name == name).map(|(id, _)| id);
+        found.ok_or_else(|| SceneError::Edit(unknown("lamp", name, names())))
+    }
+}
+
 impl Configuration {
     /// The scene as its file states it.
     pub fn initial(scene: &Arc<Scene>) -> Configuration {
-        let objects = scene.objects.iter().map(|o| o.pose).collect();
-        let lamps = scene.lamps.iter().map(|l| l.pose).collect();
-        Configuration { scene: scene.clone(), state: Arc::new(State { objects, lamps }) }
+        let objects = scene.objects.iter().map(|o| Slot { thing: o.clone(), present: true }).collect();
+        let lamps = scene.lamps.iter().map(|l| Slot { thing: l.clone(), present: true }).collect();
+        let state = State { objects, lamps, materials: scene.materials.clone() };
+        Configuration { scene: scene.clone(), state: Arc::new(state) }
+    }
+
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    pub(crate) fn with(&self, state: State) -> Configuration {
+        Configuration { scene: self.scene.clone(), state: Arc::new(state) }
     }
 
     /// The scene whose state this is.
@@ -57,68 +98,102 @@ impl Configuration {
         &self.scene
     }
 
-    /// The configuration after an edit.
-    pub fn apply(&self, edit: &Edit) -> Result<Configuration, SceneError> {
-        let (Edit::Move { object, to } | Edit::Turn { object, to }) = edit;
-        let id = self.scene.object(object)?;
-        if !self.scene.objects[id].movable {
-            return Err(SceneError::Edit(format!("object '{object}' is fixed; give it `movable: true` in the scene file")));
-        }
-        let possible = match edit {
-            Edit::Move { .. } => within_reach(*to),
-            Edit::Turn { .. } => to.is_finite(),
-        };
-        if !possible {
-            let what =
-                format!("object '{object}' cannot go to {to}: not a number, or farther than {FARTHEST:e} m from the origin");
-            return Err(SceneError::Edit(what));
-        }
-        let mut state = State::clone(&self.state);
-        match edit {
-            Edit::Move { .. } => state.objects[id].position = *to,
-            Edit::Turn { .. } => state.objects[id].rotation = *to,
-        }
-        Ok(Configuration { scene: self.scene.clone(), state: Arc::new(state) })
+    /// The objects that are there, with their numbers.
+    pub fn objects(&self) -> impl Iterator<Item = (usize, &Object)> {
+        present(&self.state.objects)
     }
 
-    /// The pose of object `id`, relative to its carrier.
-    pub fn pose(&self, id: usize) -> Pose {
-        self.state.objects[id]
+    /// How many numbers of objects are given away, also to objects that are gone.
+    pub fn object_slots(&self) -> usize {
+        self.state.objects.len()
     }
 
-    /// Where every object is in the world.
-    pub fn object_motions(&self) -> Vec<Motion> {
-        (0..self.scene.objects.len()).map(|id| self.object_motion(id)).collect()
+    /// Object number `id`, whether it is there or not.
+    #[inline]
+    pub fn object(&self, id: usize) -> &Object {
+        &self.state.objects[id].thing
+    }
+
+    /// Whether object number `id` is there.
+    pub fn has_object(&self, id: usize) -> bool {
+        self.state.objects.get(id).is_some_and(|slot| slot.present)
+    }
+
+    /// The number of the object called `name`.
+    pub fn object_id(&self, name: &str) -> Result<usize, SceneError> {
+        self.state.object_id(name)
+    }
+
+    /// The lamps that are there, with their numbers.
+    pub fn lamps(&self) -> impl Iterator<Item = (usize, &Lamp)> {
+        present(&self.state.lamps)
+    }
+
+    /// How many numbers of lamps are given away, also to lamps that are gone.
+    pub fn lamp_slots(&self) -> usize {
+        self.state.lamps.len()
+    }
+
+    /// Lamp number `id`, whether it is there or not.
+    #[inline]
+    pub fn lamp(&self, id: usize) -> &Lamp {
+        &self.state.lamps[id].thing
+    }
+
+    /// Whether lamp number `id` is there.
+    pub fn has_lamp(&self, id: usize) -> bool {
+        self.state.lamps.get(id).is_some_and(|slot| slot.present)
     }
 
     /// Where object `id` is in the world.
     pub fn object_motion(&self, id: usize) -> Motion {
-        self.carried(self.state.objects[id], self.scene.objects[id].carrier)
+        let object = self.object(id);
+        self.carried(object.pose, object.carrier)
     }
 
     /// Where lamp `id` is in the world.
     pub fn lamp_motion(&self, id: usize) -> Motion {
-        self.carried(self.state.lamps[id], self.scene.lamps[id].carrier)
+        let lamp = self.lamp(id);
+        self.carried(lamp.pose, lamp.carrier)
     }
 
     fn carried(&self, pose: Pose, mut carrier: Option<usize>) -> Motion {
         let mut motion = pose.motion();
         // The scene's loader made sure that carriers form no ring.
         while let Some(id) = carrier {
-            motion = motion.carried_by(&self.state.objects[id].motion());
-            carrier = self.scene.objects[id].carrier;
+            let object = self.object(id);
+            motion = motion.carried_by(&object.pose.motion());
+            carrier = object.carrier;
         }
         motion
     }
-}
 
-impl Configuration {
-    /// The scene file that says this state: the one that was read, with the poses of now.
-    pub fn to_file(&self) -> crate::format::SceneFile {
+    /// The scene file that says this state.
+    pub fn to_file(&self) -> SceneFile {
         let mut file = self.scene.file.clone();
-        for entry in &mut file.objects {
-            if let Ok(id) = self.scene.object(&entry.name) {
-                (entry.position, entry.rotation) = (self.state.objects[id].position, self.state.objects[id].rotation);
+        file.objects = self
+            .objects()
+            .map(|(_, object)| {
+                let mut entry = object.entry.clone();
+                (entry.position, entry.rotation) = (object.pose.position, object.pose.rotation);
+                entry
+            })
+            .collect();
+        file.lamps = self
+            .lamps()
+            .map(|(_, lamp)| {
+                let mut entry = lamp.entry.clone();
+                (entry.position, entry.rotation) = (lamp.pose.position, lamp.pose.rotation);
+                (entry.intensity, entry.off) = (lamp.intensity, !lamp.lit);
+                entry.rated = (lamp.rated != lamp.intensity).then_some(lamp.rated);
+                entry
+            })
+            .collect();
+        for (name, material) in &self.state.materials {
+            let before = self.scene.materials.get(name);
+            if before.is_none_or(|m| m.reflectance != material.reflectance) {
+                let reflectance = material.reflectance.as_dvec3();
+                file.materials.insert(name.clone(), MaterialEntry { reflectance, texture: material.texture_path.clone() });
             }
         }
         file

@@ -97,6 +97,12 @@ pub struct LampEntry {
     pub on: Option<String>,
     /// Candela, or the factor of the photometric file's.
     pub intensity: DVec3,
+    /// The intensity that the lamp's share of the photons follows; `intensity` unless it was dimmed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rated: Option<DVec3>,
+    /// Switched off.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub off: bool,
     /// LM-63 file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub photometry: Option<String>,
@@ -192,22 +198,24 @@ pub fn write_atomically(
 impl SceneFile {
     /// Rewrites the paths of a file that stood in folder `from` for one that will stand in folder `to`.
     pub fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
-        let absolute = |folder: &Path| {
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            folder.canonicalize().map_err(|e| SceneError::read(folder, e))
-        };
-        let (from, to) = (absolute(from)?, absolute(to)?);
-        if from == to {
-            return Ok(());
-        }
         let textures = self.materials.values_mut().filter_map(|m| m.texture.as_mut());
         let meshes = self.objects.iter_mut().map(|o| &mut o.mesh);
         let photometry = self.lamps.iter_mut().filter_map(|l| l.photometry.as_mut());
-        for path in textures.chain(meshes).chain(photometry) {
-            *path = relative(&from.join(&*path), &to);
-        }
-        Ok(())
+        textures.chain(meshes).chain(photometry).try_for_each(|path| relocate(path, from, to))
     }
+}
+
+/// Rewrites a path of a file that stood in folder `from` for one that will stand in folder `to`.
+pub(crate) fn relocate(path: &mut String, from: &Path, to: &Path) -> Result<(), SceneError> {
+    let absolute = |folder: &Path| {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        folder.canonicalize().map_err(|e| SceneError::read(folder, e))
+    };
+    let (from, to) = (absolute(from)?, absolute(to)?);
+    if from != to {
+        *path = relative(&from.join(&*path), &to);
+    }
+    Ok(())
 }
 
 /// `path` as seen from folder `base`; both absolute.

@@ -1,6 +1,6 @@
 //! Point lamps: where their light goes, in candela, and how much of it there is, in lumens.
 
-use crate::{Motion, Photometry, Pose, Up};
+use crate::{Motion, Photometry, Pose, Up, format::LampEntry};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -23,25 +23,40 @@ pub struct Lamp {
     pub name: String,
     /// Luminous intensity, candela per linear Rec. 709 channel; with a photometric file the factor of the file's candela.
     pub intensity: DVec3,
+    /// The intensity that its share of the photons follows: dimming and recolouring leave it as it is.
+    pub rated: DVec3,
+    /// Whether it is switched on.
+    pub lit: bool,
     /// How the intensity depends on direction; without it the same in all.
     pub photometry: Option<Arc<Photometry>>,
     /// Who draws its direct light.
     pub direct: Direct,
     /// The object it stands on, by index.
     pub carrier: Option<usize>,
-    /// Where the scene file puts it.
+    /// Where it stands, relative to its carrier.
     pub pose: Pose,
+    /// What a scene file says of it, but for its pose and light.
+    pub entry: LampEntry,
 }
 
 impl Lamp {
-    /// Luminous flux, lumens per channel.
+    /// Luminous flux, lumens per channel; none when switched off.
     pub fn flux(&self) -> DVec3 {
-        self.intensity * self.photometry.as_ref().map_or(4.0 * std::f64::consts::PI, |p| p.luminous_flux())
+        if self.lit { self.intensity * self.unit_flux() } else { DVec3::ZERO }
+    }
+
+    /// Luminous flux of the rated intensity.
+    pub fn rated_flux(&self) -> DVec3 {
+        self.rated * self.unit_flux()
+    }
+
+    fn unit_flux(&self) -> f64 {
+        self.photometry.as_ref().map_or(4.0 * std::f64::consts::PI, |p| p.luminous_flux())
     }
 
     /// Luminous intensity towards `direction` (lamp axes, any length), candela per channel.
     pub fn candela(&self, direction: DVec3) -> DVec3 {
-        self.intensity * self.photometry.as_ref().map_or(1.0, |p| p.candela(direction))
+        if self.lit { self.intensity * self.photometry.as_ref().map_or(1.0, |p| p.candela(direction)) } else { DVec3::ZERO }
     }
 }
 

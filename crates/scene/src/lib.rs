@@ -15,10 +15,12 @@
 
 mod camera;
 mod configuration;
+mod edit;
 mod error;
 pub mod format;
 mod lamp;
 mod lattice;
+mod load;
 mod material;
 mod mesh;
 mod moves;
@@ -29,14 +31,15 @@ mod scene;
 pub mod trig;
 
 pub use camera::View;
-pub use configuration::{Configuration, Edit};
+pub use configuration::Configuration;
+pub use edit::Edit;
 pub use error::{SceneError, Warning};
 pub use format::Up;
 pub use lamp::{Direct, Lamp, lamp_rotation, luminance};
 pub use lattice::Lattice;
 pub use material::{Material, Texture, srgb_to_linear};
 pub use mesh::Mesh;
-pub use moves::{CameraKey, Moves, ScriptedEdit, TimedEdit};
+pub use moves::{CameraKey, Moves, TimedEdit};
 pub use photometry::{Photometry, Symmetry};
 pub use pose::{FARTHEST, Motion, Pose, within_reach};
 pub use scene::{Object, Scene, unknown};

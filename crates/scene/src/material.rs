@@ -7,7 +7,7 @@ use std::{io::Cursor, path::Path, sync::Arc};
 use crate::SceneError;
 
 /// A diffuse material; both sides of a surface reflect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Material {
     /// Its name in the scene or MTL file.
     pub name: String,
@@ -15,6 +15,18 @@ pub struct Material {
     pub reflectance: Vec3,
     /// An image over the surface.
     pub texture: Option<Arc<Texture>>,
+    /// Its file, relative to the scene's folder.
+    pub texture_path: Option<String>,
+}
+
+impl PartialEq for Material {
+    fn eq(&self, other: &Self) -> bool {
+        let textures = match (&self.texture, &other.texture) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.name == other.name && self.reflectance == other.reflectance && textures
+    }
 }
 
 impl Material {

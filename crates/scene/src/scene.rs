@@ -1,13 +1,10 @@
 //! A scene, checked and complete: every name resolved, every mesh read, every triangle cut into cells.
 
 use crate::{
-    FARTHEST, Lamp, Lattice, Material, Mesh, Photometry, Pose, SceneError, Texture, Up, View, Warning,
-    format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, read_ron},
-    lamp::luminance,
-    obj::{MtlMaterial, ObjFile, Strictness, read_obj},
-    within_reach,
+    Lamp, Lattice, Material, Mesh, Pose, SceneError, Up, View, Warning,
+    format::{ObjectEntry, SceneFile, read_ron},
+    load::Loader,
 };
-use glam::DVec3;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -15,17 +12,17 @@ use std::{
 };
 
 /// An object: a mesh at a pose.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Object {
-    /// Unique; objects are in order of their names.
+    /// Unique.
     pub name: String,
     /// Its triangles, in its own space.
     pub mesh: Arc<Mesh>,
     /// Its mesh elements.
     pub lattice: Arc<Lattice>,
-    /// For each of the mesh's materials, an index into the scene's.
-    pub materials: Vec<usize>,
-    /// Whether edits may name it.
+    /// For each of the mesh's materials, what it is made of.
+    pub materials: Vec<Arc<Material>>,
+    /// Whether edits may move it.
     pub movable: bool,
     /// Whether it can ever be elsewhere: it is movable or rides on what is.
     pub dynamic: bool,
@@ -33,12 +30,46 @@ pub struct Object {
     pub carrier: Option<usize>,
     /// Cameras look through it.
     pub hidden_from_camera: bool,
-    /// Where the scene file puts it.
+    /// Where it stands, relative to its carrier.
     pub pose: Pose,
+    /// What a scene file says of it, but for its pose.
+    pub entry: ObjectEntry,
+}
+
+/// Whether two shared things are the same or equal.
+pub(crate) fn same<T: PartialEq>(a: &Arc<T>, b: &Arc<T>) -> bool {
+    Arc::ptr_eq(a, b) || a == b
+}
+
+impl Object {
+    /// The material of triangle `t` of its mesh.
+    #[inline]
+    pub fn material(&self, t: usize) -> &Material {
+        &self.materials[usize::from(self.mesh.material_of[t])]
+    }
+
+    /// Whether another object has the same surfaces, wherever it stands.
+    pub fn same_surfaces(&self, other: &Object) -> bool {
+        let materials = self.materials.iter().zip(&other.materials);
+        self.name == other.name
+            && same(&self.mesh, &other.mesh)
+            && self.materials.len() == other.materials.len()
+            && materials.fold(true, |all, (a, b)| all && same(a, b))
+    }
+}
+
+impl PartialEq for Object {
+    /// Equal in all that a scene file can say.
+    fn eq(&self, other: &Self) -> bool {
+        self.pose == other.pose
+            && self.carrier == other.carrier
+            && (self.movable, self.hidden_from_camera) == (other.movable, other.hidden_from_camera)
+            && self.same_surfaces(other)
+    }
 }
 
 /// Everything that a scene file says.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Scene {
     /// Where it was read from.
     pub path: PathBuf,
@@ -46,12 +77,12 @@ pub struct Scene {
     pub name: String,
     /// Its up axis.
     pub up: Up,
-    /// Materials, in order of their names.
-    pub materials: Vec<Material>,
+    /// Materials by name.
+    pub materials: BTreeMap<String, Arc<Material>>,
     /// Objects, in order of their names.
-    pub objects: Vec<Object>,
+    pub objects: Vec<Arc<Object>>,
     /// Lamps, in order of their names.
-    pub lamps: Vec<Lamp>,
+    pub lamps: Vec<Arc<Lamp>>,
     /// Cameras by name, in the file's order.
     pub cameras: Vec<(String, View)>,
     /// The file as typed.
@@ -62,22 +93,9 @@ impl Scene {
     /// Reads a scene file and all that it names.
     pub fn read(path: &Path) -> Result<(Arc<Scene>, Vec<Warning>), SceneError> {
         let file: SceneFile = read_ron(path)?;
-        let mut loader = Loader {
-            path,
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-            models: BTreeMap::new(),
-            meshes: BTreeMap::new(),
-            materials: BTreeMap::new(),
-            warnings: Vec::new(),
-        };
+        let mut loader = Loader::new(path);
         let scene = loader.scene(file)?;
         Ok((Arc::new(scene), loader.warnings))
-    }
-
-    /// The index of the object called `name`.
-    pub fn object(&self, name: &str) -> Result<usize, SceneError> {
-        let names = || self.objects.iter().map(|o| o.name.as_str());
-        names().position(|n| n == name).ok_or_else(|| SceneError::Edit(unknown("object", name, names())))
     }
 
     /// Mesh elements of the scene, counted once (not per side).
@@ -99,286 +117,5 @@ pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>)
             format!("there is no {kind} '{name}'; did you mean '{near}'?")
         }
         _ => format!("there is no {kind} '{name}'"),
-    }
-}
-
-/// A page of buckets holds 32 bytes for each; more would not fit a workstation's memory with a few lamps.
-const MOST_CELLS: u64 = 50_000_000;
-
-/// A mesh and its mesh elements.
-type CutMesh = (Arc<Mesh>, Arc<Lattice>);
-
-struct Loader<'a> {
-    path: &'a Path,
-    folder: PathBuf,
-    models: BTreeMap<PathBuf, Arc<ObjFile>>,
-    /// By file and part.
-    meshes: BTreeMap<(PathBuf, Option<String>), CutMesh>,
-    /// Materials in use, by name.
-    materials: BTreeMap<String, Material>,
-    warnings: Vec<Warning>,
-}
-
-impl Loader<'_> {
-    fn fault(&self, what: impl ToString) -> SceneError {
-        SceneError::content(self.path, what)
-    }
-
-    /// A file that cannot be read, with what names it in the scene file; faults inside of a file name that file alone.
-    fn named_by(&self, what: &str, error: SceneError) -> SceneError {
-        if matches!(error, SceneError::Read { .. }) { self.fault(format!("{what}: {error}")) } else { error }
-    }
-
-    fn warn(&mut self, what: String) {
-        let warning = Warning(format!("{}: {what}", self.path.display()));
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
-        }
-    }
-
-    fn scene(&mut self, file: SceneFile) -> Result<Scene, SceneError> {
-        if !(file.cell.is_finite() && file.cell > 0.0) {
-            return Err(self.fault(format!("cell is {}; it must be a positive length in metres", file.cell)));
-        }
-        self.unique("object", file.objects.iter().map(|o| &o.name))?;
-        self.unique("lamp", file.lamps.iter().map(|l| &l.name))?;
-        self.unique("camera", file.cameras.iter().map(|c| &c.name))?;
-        for (name, entry) in &file.materials {
-            let material = self.material(name, entry)?;
-            self.materials.insert(name.clone(), material);
-        }
-        let mut entries: Vec<&ObjectEntry> = file.objects.iter().collect();
-        entries.sort_by(|a, b| a.name.cmp(&b.name));
-        let index: BTreeMap<&str, usize> = entries.iter().enumerate().map(|(i, e)| (e.name.as_str(), i)).collect();
-        let mut drafts = Vec::new();
-        for entry in &entries {
-            drafts.push(self.object(entry, &index, file.cell)?);
-        }
-        self.carriers(&mut drafts)?;
-        let cells: u64 = drafts.iter().map(|(object, _)| u64::from(object.lattice.cells())).sum();
-        if cells > MOST_CELLS {
-            let what =
-                format!("there would be {cells} mesh elements, more than {MOST_CELLS}; make `cell` larger than {} m", file.cell);
-            return Err(self.fault(what));
-        }
-        let mut lamps = Vec::new();
-        for entry in &file.lamps {
-            lamps.push(self.lamp(entry, &index)?);
-        }
-        lamps.sort_by(|a, b| a.name.cmp(&b.name));
-        if lamps.is_empty() {
-            self.warn("there is no lamp: the scene is dark".into());
-        }
-        let mut cameras = Vec::new();
-        for camera in &file.cameras {
-            if let Some(fault) = camera.view().fault() {
-                return Err(self.fault(format!("camera '{}': {fault}", camera.name)));
-            }
-            cameras.push((camera.name.clone(), camera.view()));
-        }
-        let materials: Vec<Material> = std::mem::take(&mut self.materials).into_values().collect();
-        let number: BTreeMap<&str, usize> = materials.iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
-        let objects = drafts
-            .into_iter()
-            .map(|(mut object, names)| {
-                object.materials = names.iter().map(|n| number[n.as_str()]).collect();
-                object
-            })
-            .collect();
-        Ok(Scene { path: self.path.to_owned(), name: file.name.clone(), up: file.up, materials, objects, lamps, cameras, file })
-    }
-
-    fn unique<'n>(&self, kind: &str, names: impl Iterator<Item = &'n String>) -> Result<(), SceneError> {
-        let mut seen = std::collections::BTreeSet::new();
-        for name in names {
-            if name.is_empty() || name.chars().any(char::is_control) {
-                return Err(self.fault(format!("a {kind} has the name {name:?}; names are printable and not empty")));
-            }
-            if !seen.insert(name) {
-                return Err(self.fault(format!("two {kind}s are called '{name}'; give one another name")));
-            }
-        }
-        Ok(())
-    }
-
-    fn pose(&self, what: String, position: DVec3, rotation: DVec3) -> Result<Pose, SceneError> {
-        if !(within_reach(position) && rotation.is_finite()) {
-            let why = format!("is not a number, or farther than {FARTHEST:e} m from the origin");
-            return Err(self.fault(format!("{what}: its position {position} or rotation {rotation} {why}")));
-        }
-        Ok(Pose { position, rotation })
-    }
-
-    fn material(&mut self, name: &str, entry: &MaterialEntry) -> Result<Material, SceneError> {
-        let r = entry.reflectance;
-        if !(r.is_finite() && r.min_element() >= 0.0 && r.max_element() <= 1.0) {
-            return Err(self.fault(format!("material '{name}': reflectance {r} must be within 0 to 1")));
-        }
-        let texture = entry.texture.as_ref().map(|t| Texture::read(&self.folder.join(t)).map(Arc::new)).transpose();
-        let texture = texture.map_err(|e| self.named_by(&format!("material '{name}'"), e))?;
-        Ok(Material { name: name.to_owned(), reflectance: r.as_vec3(), texture })
-    }
-
-    /// The object and the names of its materials; their numbers follow when all are known.
-    fn object(
-        &mut self,
-        entry: &ObjectEntry,
-        index: &BTreeMap<&str, usize>,
-        cell: f64,
-    ) -> Result<(Object, Vec<String>), SceneError> {
-        let what = format!("object '{}'", entry.name);
-        let pose = self.pose(what.clone(), entry.position, entry.rotation)?;
-        let carrier = self.carrier(&what, &entry.on, index)?;
-        let model = self.model(&self.folder.join(&entry.mesh)).map_err(|e| self.named_by(&what, e))?;
-        let (mesh, lattice) = self.mesh(entry, &model, cell)?;
-        let names = match &entry.material {
-            Some(name) => {
-                if !self.materials.contains_key(name) {
-                    let known = self.materials.keys().map(String::as_str);
-                    return Err(self.fault(format!("{what}: {}", unknown("material", name, known))));
-                }
-                vec![name.clone(); mesh.materials.len()]
-            }
-            None => mesh.materials.clone(),
-        };
-        for name in &names {
-            self.material_of_mesh(name, &what, &model)?;
-        }
-        let textured = names.iter().any(|n| self.materials[n].texture.is_some());
-        if textured && mesh.uvs.is_empty() {
-            self.warn(format!(
-                "{what}: its material has a texture but {} has no texture coordinates: it shows one point of the image",
-                entry.mesh
-            ));
-        }
-        let object = Object {
-            name: entry.name.clone(),
-            mesh,
-            lattice,
-            materials: Vec::new(),
-            movable: entry.movable,
-            dynamic: entry.movable,
-            carrier,
-            hidden_from_camera: entry.hidden_from_camera,
-            pose,
-        };
-        Ok((object, names))
-    }
-
-    fn carrier(&self, what: &str, on: &Option<String>, index: &BTreeMap<&str, usize>) -> Result<Option<usize>, SceneError> {
-        let Some(name) = on else { return Ok(None) };
-        let id = index.get(name.as_str()).ok_or_else(|| {
-            self.fault(format!("{what} stands on '{name}': {}", unknown("object", name, index.keys().copied())))
-        })?;
-        Ok(Some(*id))
-    }
-
-    /// Refuses rings of carriers, and lets what rides on a movable object be dynamic.
-    fn carriers(&self, drafts: &mut [(Object, Vec<String>)]) -> Result<(), SceneError> {
-        for id in 0..drafts.len() {
-            let (mut at, mut steps, mut dynamic) = (id, 0, drafts[id].0.movable);
-            while let Some(carrier) = drafts[at].0.carrier {
-                (at, steps) = (carrier, steps + 1);
-                dynamic |= drafts[at].0.movable;
-                if steps > drafts.len() {
-                    return Err(self.fault(format!("object '{}' carries itself, by way of `on`", drafts[id].0.name)));
-                }
-            }
-            drafts[id].0.dynamic = dynamic;
-        }
-        Ok(())
-    }
-
-    fn model(&mut self, path: &Path) -> Result<Arc<ObjFile>, SceneError> {
-        if let Some(model) = self.models.get(path) {
-            return Ok(model.clone());
-        }
-        let (file, warnings) = read_obj(path, Strictness::Scene)?;
-        for warning in warnings {
-            if !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
-        }
-        let model = Arc::new(file);
-        self.models.insert(path.to_owned(), model.clone());
-        Ok(model)
-    }
-
-    fn mesh(&mut self, entry: &ObjectEntry, model: &ObjFile, cell: f64) -> Result<CutMesh, SceneError> {
-        let key = (self.folder.join(&entry.mesh), entry.part.clone());
-        if let Some(known) = self.meshes.get(&key) {
-            return Ok(known.clone());
-        }
-        let mesh = match &entry.part {
-            None => Mesh::merged(model.parts.iter().map(|p| &p.mesh)),
-            Some(name) => {
-                let part = model.parts.iter().find(|p| p.name == *name).ok_or_else(|| {
-                    let known = model.parts.iter().map(|p| p.name.as_str());
-                    self.fault(format!("object '{}': in {} {}", entry.name, entry.mesh, unknown("part", name, known)))
-                })?;
-                part.mesh.clone()
-            }
-        };
-        if !mesh.positions.iter().all(|p| within_reach(*p)) {
-            let what =
-                format!("object '{}': {} has a vertex farther than {FARTHEST:e} m from the origin", entry.name, entry.mesh);
-            return Err(self.fault(format!("{what}; lengths are metres")));
-        }
-        let lattice = Lattice::new(&mesh, cell).ok_or_else(|| {
-            self.fault(format!("object '{}' would have more mesh elements than can be numbered; make `cell` larger", entry.name))
-        })?;
-        let made = (Arc::new(mesh), Arc::new(lattice));
-        self.meshes.insert(key, made.clone());
-        Ok(made)
-    }
-
-    /// The scene's own material of that name, or the mesh's, or grey.
-    fn material_of_mesh(&mut self, name: &str, what: &str, model: &ObjFile) -> Result<(), SceneError> {
-        if self.materials.contains_key(name) {
-            return Ok(());
-        }
-        let material = match model.materials.iter().find(|m| m.name == name) {
-            Some(MtlMaterial { reflectance, texture, .. }) => Material {
-                name: name.to_owned(),
-                reflectance: DVec3::from_array(*reflectance).as_vec3(),
-                texture: texture.as_ref().map(|t| Texture::read(t).map(Arc::new)).transpose()?,
-            },
-            None => {
-                self.warn(format!("{what}: its material '{name}' is defined nowhere: it is grey, reflectance 0.5"));
-                Material { name: name.to_owned(), reflectance: glam::Vec3::splat(0.5), texture: None }
-            }
-        };
-        self.materials.insert(name.to_owned(), material);
-        Ok(())
-    }
-
-    fn lamp(&mut self, entry: &LampEntry, index: &BTreeMap<&str, usize>) -> Result<Lamp, SceneError> {
-        let what = format!("lamp '{}'", entry.name);
-        let pose = self.pose(what.clone(), entry.position, entry.rotation)?;
-        let carrier = self.carrier(&what, &entry.on, index)?;
-        if !(entry.intensity.is_finite() && entry.intensity.min_element() >= 0.0) {
-            return Err(self.fault(format!("{what}: intensity {} must be candela, not below 0 and a number", entry.intensity)));
-        }
-        let photometry = match &entry.photometry {
-            None => None,
-            Some(file) => {
-                let read = Photometry::read(&self.folder.join(file));
-                let (photometry, warnings) = read.map_err(|e| self.named_by(&what, e))?;
-                for warning in warnings {
-                    if !self.warnings.contains(&warning) {
-                        self.warnings.push(warning);
-                    }
-                }
-                Some(Arc::new(photometry))
-            }
-        };
-        let lamp = Lamp { name: entry.name.clone(), intensity: entry.intensity, photometry, direct: entry.direct, carrier, pose };
-        if !lamp.flux().is_finite() {
-            return Err(self.fault(format!("{what}: intensity {} is more than can be counted", entry.intensity)));
-        }
-        if luminance(lamp.flux()) == 0.0 {
-            self.warn(format!("{what} gives no light; its share of the photons is wasted"));
-        }
-        Ok(lamp)
     }
 }

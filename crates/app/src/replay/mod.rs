@@ -11,7 +11,7 @@ use lightmend_photon::{
     solution::Solution,
     world::World,
 };
-use lightmend_scene::{Configuration, Moves, ScriptedEdit, TimedEdit};
+use lightmend_scene::{Configuration, Edit, Moves, TimedEdit};
 use serde_json::json;
 use std::{path::PathBuf, sync::Arc};
 
@@ -98,7 +98,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     common.set_up()?;
     let pool = arguments.pool.pool()?;
     let scene = common.read_scene(&arguments.scene)?;
-    let moves = Moves::read(&arguments.script, &scene)?;
+    let (moves, warnings) = Moves::read(&arguments.script, &scene)?;
+    common.warn(&warnings);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
     let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "summary.json"];
     let files = files.map(String::from);
@@ -115,11 +116,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut drained = shoot(&pool, world, "initial light", common.quiet)?;
     let mut chapters = Vec::new();
     for (number, timed) in moves.edits.iter().enumerate() {
-        configuration = configuration.apply(&timed.edit.last())?;
+        configuration = configuration.apply(&timed.edit)?;
         let Some((mut chapter, fresh)) = chapter(&drained, &configuration, &orders, number, timed, common.quiet)? else {
             break; // interrupted: what is done is kept
         };
-        if matches!(timed.edit, ScriptedEdit::Drag { .. }) {
+        if matches!(timed.edit, Edit::Drag { .. }) {
             chapter.drag = drag::play(&moves, timed, &drained, &fresh, arguments.work, &orders, common.quiet)?;
         }
         if common.talks() {
@@ -137,7 +138,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report::write(&out, &scene.name, &chapters, arguments.work, common)?;
     output::json(Some(&out.join("summary.json")), &summary, common.json)?;
     if let Some(path) = &arguments.dump {
-        output::write(path, |file| drained.buckets().dump(&scene, file))?;
+        output::write(path, |file| drained.buckets().dump(&configuration, file))?;
     }
     if chapters.iter().flat_map(|c| &c.tracks).any(|t| !t.bit_equal) {
         return Err(Failure::failed("a repaired solution differs from a fresh one: this is a bug in Lightmend"));
@@ -157,12 +158,25 @@ fn shoot(pool: &lightmend_photon::pool::Pool, world: Arc<World>, what: &str, qui
         .ok_or_else(|| Failure::failed("interrupted before the initial light was done"))
 }
 
-fn title(edit: &ScriptedEdit) -> String {
+fn title(edit: &Edit) -> String {
     let at = |to: &glam::DVec3| format!("({}, {}, {})", to.x, to.y, to.z);
     match edit {
-        ScriptedEdit::Move { object, to } => format!("{object} to {}", at(to)),
-        ScriptedEdit::Turn { object, to } => format!("{object} turned to {}", at(to)),
-        ScriptedEdit::Drag { object, to, .. } => format!("{object} dragged to {}", at(to)),
+        Edit::Move { object, to } => format!("{object} to {}", at(to)),
+        Edit::Turn { object, to } => format!("{object} turned to {}", at(to)),
+        Edit::Drag { object, to, .. } => format!("{object} dragged to {}", at(to)),
+        Edit::Paint { object, material } => format!("{object} made of {material}"),
+        Edit::Reflect { material, to } => format!("{material} reflects {}", at(to)),
+        Edit::Add(entry) => format!("{} added", entry.name),
+        Edit::Duplicate { object, name, .. } => format!("{object} duplicated as {name}"),
+        Edit::Remove { object } => format!("{object} removed"),
+        Edit::MoveLamp { lamp, to } => format!("{lamp} to {}", at(to)),
+        Edit::TurnLamp { lamp, to } => format!("{lamp} turned to {}", at(to)),
+        Edit::Light { lamp, intensity } => format!("{lamp} set to {}", at(intensity)),
+        Edit::Switch { lamp, on } => format!("{lamp} switched {}", if *on { "on" } else { "off" }),
+        Edit::Relamp { lamp, photometry } => format!("{lamp} shines as {photometry}"),
+        Edit::AddLamp(entry) => format!("{} added", entry.name),
+        Edit::DuplicateLamp { lamp, name, .. } => format!("{lamp} duplicated as {name}"),
+        Edit::RemoveLamp { lamp } => format!("{lamp} removed"),
     }
 }
 
@@ -196,8 +210,7 @@ fn chapter(
     let tracks = recoveries
         .into_iter()
         .map(|(order, recovery)| {
-            let solution = &recovery.solution;
-            let bit_equal = solution.buckets() == fresh.buckets() && solution.tallies() == fresh.tallies();
+            let bit_equal = recovery.solution.equals(&fresh);
             Track { order, moments: recovery.moments, bit_equal }
         })
         .collect();
