@@ -61,8 +61,16 @@ pub struct Builder {
 impl Default for Builder {
     fn default() -> Self {
         let (materials, objects) = (BTreeMap::new(), Vec::new());
-        let file =
-            SceneFile { name: "built".into(), up: Up::Z, cell: 1e6, materials, objects, lamps: Vec::new(), cameras: Vec::new() };
+        let file = SceneFile {
+            name: "built".into(),
+            up: Up::Z,
+            cell: 1e6,
+            reach: None,
+            materials,
+            objects,
+            lamps: Vec::new(),
+            cameras: Vec::new(),
+        };
         Builder { file, meshes: Vec::new() }
     }
 }

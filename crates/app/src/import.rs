@@ -251,6 +251,7 @@ impl Import {
         Ok(SceneFile {
             name,
             up,
+            reach: None,
             cell: arguments.cell.unwrap_or_else(|| self.default_cell()),
             materials: self.materials.clone(),
             objects: objects.collect(),

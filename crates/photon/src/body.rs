@@ -36,18 +36,17 @@ impl TreePreset {
 /// How far the scene reaches; fixed when it is loaded, so that moving things never changes how rays are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
-    /// Bound of the fixed objects' coordinates, metres, a power of two.
+    /// Bound of the fixed objects' coordinates, metres.
     pub metres: f32,
     /// Metres to tree units, a power of two.
     scale: f32,
 }
 
 impl Reach {
-    /// For a scene whose fixed coordinates stay within `metres` of the origin. Taken to the next power of two, so that it seldom
-    /// depends on what else stands in the scene.
+    /// For a scene whose fixed coordinates stay within `metres` of the origin.
     pub fn new(metres: f32) -> Reach {
-        let power = metres.max(1e-6).log2().ceil();
-        Reach { metres: power.exp2(), scale: (10.0 - power).exp2() }
+        let metres = metres.max(1e-6);
+        Reach { metres, scale: (1000.0 / metres).log2().floor().exp2() }
     }
 
     /// How far boxes are padded: above the rounding of the box test and the tree's near limit, metres.

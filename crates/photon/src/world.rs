@@ -105,28 +105,11 @@ fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
     PlacedLamp { position: motion.translation, rotation: lamp_rotation(configuration.scene().up, &motion) }
 }
 
-/// From what never moves, so that a path depends on no object's history: the fixed objects as the file states them; without any, the
-/// meshes themselves.
-fn reach(configuration: &Configuration) -> Reach {
-    let initial = Configuration::initial(configuration.scene());
-    let largest = |fixed: bool| {
-        let objects = initial.objects().filter(|(_, object)| !fixed || !object.dynamic);
-        let farthest = |(id, object): (usize, &Object)| {
-            let motion = fixed.then(|| initial.object_motion(id));
-            let at = |p: &DVec3| motion.map_or(*p, |m| m.point(*p)).abs().max_element() as f32;
-            object.mesh.positions.iter().map(at).fold(0.0, f32::max)
-        };
-        objects.map(farthest).fold(0.0, f32::max)
-    };
-    let fixed = largest(true);
-    Reach::new(if fixed > 0.0 { fixed } else { largest(false) })
-}
-
 impl World {
     /// Builds all trees. `preset` is for what stands still; what moves gets the other one.
     pub fn new(configuration: &Configuration, preset: TreePreset) -> World {
         let fixed: Vec<usize> = configuration.objects().filter(|(_, o)| !o.dynamic).map(|(id, _)| id).collect();
-        let reach = reach(configuration);
+        let reach = Reach::new(configuration.reach() as f32);
         let world = World {
             configuration: configuration.clone(),
             fixed: fixed_body(configuration, &fixed, reach, preset),

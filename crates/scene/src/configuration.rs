@@ -168,9 +168,33 @@ impl Configuration {
         motion
     }
 
+    /// How far the scene reaches, metres: what the rounding of rays is measured against. From what never moves, as the scene file states
+    /// it (without anything fixed, from the meshes themselves), so that a path depends on no object's history.
+    pub fn reach(&self) -> f64 {
+        self.scene.file.reach.unwrap_or_else(|| {
+            let initial = Configuration::initial(&self.scene);
+            let fixed = initial.farthest(|object| !object.dynamic, |id| initial.object_motion(id));
+            if fixed > 0.0 { fixed } else { initial.farthest(|_| true, |_| Pose::default().motion()) }
+        })
+    }
+
+    /// The largest coordinate of some objects.
+    fn farthest(&self, counts: impl Fn(&Object) -> bool, motion: impl Fn(usize) -> Motion) -> f64 {
+        let objects = self.objects().filter(|(_, object)| counts(object));
+        let vertices = objects.flat_map(|(id, object)| {
+            let motion = motion(id);
+            object.mesh.positions.iter().map(move |p| motion.point(*p).abs().max_element())
+        });
+        vertices.fold(0.0, f64::max)
+    }
+
     /// The scene file that says this state.
     pub fn to_file(&self) -> SceneFile {
         let mut file = self.scene.file.clone();
+        let fixed = |c: &Configuration| c.objects().filter(|(_, o)| !o.dynamic).map(|(id, _)| id).collect::<Vec<_>>();
+        if fixed(self) != fixed(&Configuration::initial(&self.scene)) {
+            file.reach = Some(self.reach());
+        }
         file.objects = self
             .objects()
             .map(|(_, object)| {

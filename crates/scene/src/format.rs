@@ -25,6 +25,9 @@ pub struct SceneFile {
     pub up: Up,
     /// Longest edge of a mesh element, metres.
     pub cell: f64,
+    /// See [`crate::Configuration::reach`]; written where fixed objects were added or removed, so that photons' paths stay the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<f64>,
     /// Materials by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, MaterialEntry>,

@@ -63,6 +63,9 @@ impl<'a> Loader<'a> {
         if !(file.cell.is_finite() && file.cell > 0.0) {
             return Err(self.fault(format!("cell is {}; it must be a positive length in metres", file.cell)));
         }
+        if let Some(reach) = file.reach.filter(|r| !(r.is_finite() && *r > 0.0)) {
+            return Err(self.fault(format!("reach is {reach}; it must be a positive length in metres")));
+        }
         self.unique("object", file.objects.iter().map(|o| &o.name))?;
         self.unique("lamp", file.lamps.iter().map(|l| &l.name))?;
         self.unique("camera", file.cameras.iter().map(|c| &c.name))?;

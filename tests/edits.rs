@@ -1,0 +1,186 @@
+//! All kinds of edits, mixed and interrupted, drain to the bits of a fresh solution, and of a fresh reading of the edited scene.
+
+use glam::DVec3;
+use lightmend_photon::{body::TreePreset, path::FirstHits, solution::Solution, world::World};
+use lightmend_scene::{
+    Configuration, Edit, Scene,
+    format::{LampEntry, ObjectEntry, write_ron},
+};
+use lightmend_tests::{count, own_scene, own_scene_path, pool, shoot, world};
+use proptest::{
+    prelude::*,
+    test_runner::{RngAlgorithm, TestRng, TestRunner},
+};
+use std::sync::Arc;
+
+/// One random step: a kind of edit, what it is done to, numbers for it, and how many groups are repaired before the next step.
+#[derive(Debug, Clone)]
+struct Step {
+    kind: u8,
+    at: prop::sample::Index,
+    by: [f64; 3],
+    groups: usize,
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    (0u8..15, any::<prop::sample::Index>(), prop::array::uniform3(-0.4f64..0.4), 0usize..200)
+        .prop_map(|(kind, at, by, groups)| Step { kind, at, by, groups })
+}
+
+fn edit(configuration: &Configuration, step: &Step, number: usize) -> Edit {
+    let by = DVec3::from_array(step.by);
+    let objects: Vec<_> = configuration.objects().filter(|(_, object)| object.movable).map(|(_, object)| object).collect();
+    let object = || objects[step.at.index(objects.len())];
+    let lamps: Vec<_> = configuration.lamps().map(|(_, lamp)| lamp).collect();
+    let lamp = || lamps[step.at.index(lamps.len())];
+    let materials: Vec<_> = configuration.scene().materials.keys().collect();
+    let material = || materials[step.at.index(materials.len())].clone();
+    let reflectance = (by + 0.45).clamp(DVec3::ZERO, DVec3::ONE);
+    let name = format!("new {number}");
+    match step.kind {
+        0 | 1 => Edit::Move { object: object().name.clone(), to: object().pose.position + by },
+        2 => Edit::Turn { object: object().name.clone(), to: object().pose.rotation + by * 100.0 },
+        3 => Edit::Paint { object: object().name.clone(), material: material() },
+        4 => Edit::Reflect { material: material(), to: reflectance },
+        5 => Edit::Duplicate { object: object().name.clone(), name, to: object().pose.position + by },
+        6 if objects.len() > 2 => Edit::Remove { object: object().name.clone() },
+        7 => Edit::MoveLamp { lamp: lamp().name.clone(), to: lamp().pose.position + by * 0.3 },
+        8 => Edit::TurnLamp { lamp: lamp().name.clone(), to: by * 200.0 },
+        9 => Edit::Light { lamp: lamp().name.clone(), intensity: reflectance * 100.0 },
+        10 => Edit::Switch { lamp: lamp().name.clone(), on: by.x > 0.0 },
+        11 => Edit::Relamp { lamp: lamp().name.clone(), photometry: photometric_file() },
+        12 => Edit::DuplicateLamp { lamp: lamp().name.clone(), name, to: lamp().pose.position + by * 0.3 },
+        13 if lamps.len() > 1 => Edit::RemoveLamp { lamp: lamp().name.clone() },
+        _ => Edit::Add(
+            ObjectEntry { position: DVec3::new(1.0, 1.0, 0.5) + by, movable: by.y > 0.0, ..object().entry.clone() }.named(name),
+        ),
+    }
+}
+
+fn photometric_file() -> String {
+    own_scene_path("room").with_file_name("ies/washer.ies").canonicalize().unwrap().to_string_lossy().into_owned()
+}
+
+fn drain(solution: &mut Solution, groups: usize) {
+    (0..groups).map_while(|_| solution.repair_next()).for_each(drop);
+}
+
+#[test]
+fn mixed_edits_drain_to_a_fresh_solution() {
+    let cases = count(40, 400) as u32;
+    for name in ["cornell", "room"] {
+        let scene = own_scene(name);
+        let start = shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay);
+        let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        runner
+            .run(&prop::collection::vec(step(), 1..8), |steps| {
+                let mut solution = start.clone();
+                let mut configuration = Configuration::initial(&scene);
+                for (number, step) in steps.iter().enumerate() {
+                    configuration = configuration.apply(&edit(&configuration, step, number)).unwrap();
+                    let next = Arc::new(solution.world().moved_to(&configuration));
+                    solution.change(next);
+                    drain(&mut solution, step.groups);
+                }
+                drain(&mut solution, usize::MAX);
+                let fresh = shoot(*start.pool(), &Arc::new(World::new(&configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
+                prop_assert!(solution.equals(&fresh), "the light differs from a fresh solution's");
+                let emitted: i64 = solution.tallies().iter().map(|t| t.absorbed + t.escaped + t.cut).sum();
+                prop_assert_eq!(emitted, 30_000, "emitted = absorbed + escaped + cut");
+                prop_assert!(dump(&solution) == reread(&scene, &configuration), "the written scene gives other light");
+                let mut home = solution;
+                home.change(world(&scene));
+                drain(&mut home, usize::MAX);
+                prop_assert!(home.equals(&start), "undoing everything leaves a trace");
+                Ok(())
+            })
+            .unwrap();
+    }
+}
+
+fn dump(solution: &Solution) -> String {
+    let mut text = Vec::new();
+    solution.buckets().dump(solution.world().configuration(), &mut text).unwrap();
+    String::from_utf8(text).unwrap()
+}
+
+/// The light of the edited scene, written to a file and read again as any other.
+fn reread(scene: &Arc<Scene>, configuration: &Configuration) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = configuration.to_file();
+    file.relocate(scene.path.parent().unwrap(), folder.path()).unwrap();
+    let path = folder.path().join("edited.ron");
+    write_ron(&path, &file).unwrap();
+    let (scene, _) = Scene::read(&path).unwrap();
+    dump(&shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay))
+}
+
+#[test]
+fn dimming_switching_and_recolouring_trace_nothing() {
+    let scene = own_scene("room");
+    let mut solution = shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay);
+    let mut configuration = Configuration::initial(&scene);
+    for edit in [
+        Edit::Light { lamp: "pendant".into(), intensity: DVec3::new(0.1, 0.5, 0.2) },
+        Edit::Switch { lamp: "washer".into(), on: false },
+        Edit::Light { lamp: "ceiling light".into(), intensity: DVec3::ZERO },
+    ] {
+        configuration = configuration.apply(&edit).unwrap();
+        let next = Arc::new(solution.world().moved_to(&configuration));
+        solution.change(next);
+        assert_eq!(solution.stale_groups(), 0, "{edit:?}");
+    }
+    let fresh = shoot(pool(30_000), &Arc::new(World::new(&configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
+    assert!(solution.equals(&fresh));
+}
+
+#[test]
+fn a_lamp_rides_on_its_stand_and_leaves_with_it() {
+    let scene = own_scene("room");
+    let start = shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay);
+    let (_, reading) =
+        Configuration::initial(&scene).lamps().find(|(_, l)| l.carrier.is_some()).map(|(n, l)| (n, l.name.clone())).unwrap();
+    let carrier = scene.lamps.iter().find(|l| l.name == reading).and_then(|l| l.carrier).unwrap();
+    let stand = scene.objects[carrier].clone();
+    let mut solution = start.clone();
+    for edit in [
+        Edit::Move { object: stand.name.clone(), to: stand.pose.position + DVec3::new(-0.3, 0.2, 0.0) },
+        Edit::Remove { object: stand.name.clone() },
+    ] {
+        let configuration = solution.world().configuration().apply(&edit).unwrap();
+        let next = Arc::new(solution.world().moved_to(&configuration));
+        solution.change(next);
+        assert_eq!(solution.stale_groups(), 288);
+        drain(&mut solution, usize::MAX);
+        let fresh = shoot(pool(30_000), &Arc::new(World::new(&configuration, TreePreset::Medium)), FirstHits::AsLampsSay);
+        assert!(solution.equals(&fresh), "{edit:?}");
+    }
+    assert!(solution.world().configuration().lamps().all(|(_, lamp)| lamp.name != reading));
+}
+
+/// An entry under another name, not riding on anything.
+trait Named {
+    fn named(self, name: String) -> Self;
+}
+
+impl Named for ObjectEntry {
+    fn named(self, name: String) -> Self {
+        ObjectEntry { name, on: None, ..self }
+    }
+}
+
+#[test]
+fn a_dark_scene_can_be_lit() {
+    let scene = own_scene("cornell");
+    let dark = Configuration::initial(&scene).apply(&Edit::RemoveLamp { lamp: scene.lamps[0].name.clone() }).unwrap();
+    let mut solution = shoot(pool(10_000), &Arc::new(World::new(&dark, TreePreset::Medium)), FirstHits::AsLampsSay);
+    assert_eq!(solution.buckets().lit().count(), 0);
+    let bulb = LampEntry { name: "bulb".into(), position: DVec3::new(1.0, 1.0, 1.5), ..scene.lamps[0].entry.clone() };
+    let lit = dark.apply(&Edit::AddLamp(bulb)).unwrap();
+    let next = Arc::new(solution.world().moved_to(&lit));
+    solution.change(next);
+    drain(&mut solution, usize::MAX);
+    assert!(solution.equals(&shoot(pool(10_000), &Arc::new(World::new(&lit, TreePreset::Fast)), FirstHits::AsLampsSay)));
+    assert!(solution.buckets().lit().count() > 0);
+}
