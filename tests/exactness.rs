@@ -10,6 +10,7 @@ use lightmend_photon::{
     recovery::{Order, Relevant, recover},
     solution::Solution,
     solver::{Settings, Solver},
+    visible::Frustum,
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Moves, Scene};
@@ -171,6 +172,27 @@ fn scrambled_or_not_and_any_grouping() {
 }
 
 #[test]
+fn a_camera_changes_the_order_and_not_the_bits() {
+    let scene = own_scene("room");
+    let start = shoot(pool(100_000), &world(&scene), FirstHits::AsLampsSay);
+    let (moves, _) = Moves::read(&own_scene_path("room").with_file_name("moves/wardrobe.ron"), &scene).unwrap();
+    let configuration = Configuration::initial(&scene).apply(&moves.edits[0].edit).unwrap();
+    let after = Arc::new(start.world().moved_to(&configuration));
+    let orders: Vec<Vec<GroupId>> = [None, Some(&scene.cameras[1].1), Some(&scene.cameras[2].1)]
+        .into_iter()
+        .map(|view| {
+            let mut solution = start.clone();
+            solution.look(view.map(|v| Frustum::new(v, scene.up, 1.5)));
+            solution.change(after.clone());
+            let order = repair(&mut solution, usize::MAX);
+            assert_equal(&solution, &shoot(*start.pool(), &after, FirstHits::AsLampsSay));
+            order
+        })
+        .collect();
+    assert!(orders[0] != orders[1] && orders[1] != orders[2]);
+}
+
+#[test]
 fn the_background_solver_ends_with_the_same_bits() {
     let scene = own_scene("room");
     let (moves, _) = Moves::read(&own_scene_path("room").with_file_name("moves/drag.ron"), &scene).unwrap();
@@ -182,6 +204,7 @@ fn the_background_solver_ends_with_the_same_bits() {
         for (_, edit) in timed.edit.steps(&configuration).unwrap() {
             configuration = configuration.apply(&edit).unwrap();
             solver.edit(configuration.clone());
+            solver.look(scene.cameras[moves.edits.len() % 2].1);
             std::thread::sleep(Duration::from_millis(3));
         }
     }

@@ -9,7 +9,7 @@ use crate::{
     irradiance::Scale,
     recovery::Order,
     solution::{Shooting, Solution},
-    visible::Visible,
+    visible::{Frustum, Visible},
     world::World,
 };
 use std::sync::Arc;
@@ -35,6 +35,8 @@ pub struct Play<'a> {
     pub end: &'a Solution,
     /// What the camera sees of it.
     pub visible: &'a Visible,
+    /// Through which the stateless order looks: V·P instead of P.
+    pub frustum: Option<Frustum>,
     /// Frames a second.
     pub fps: f64,
     /// Rays a frame.
@@ -62,7 +64,11 @@ impl Play<'_> {
                 shooting: None,
                 rays: 0,
             },
-            _ => Worker::Repair { solution: Box::new(self.start.clone()), random: order == Order::Random, rays: 0 },
+            _ => {
+                let mut solution = Box::new(self.start.clone());
+                solution.look(self.frustum);
+                Worker::Repair { solution, random: order == Order::Random, rays: 0 }
+            }
         };
         let mut world = self.start.world().clone();
         let mut steps = self.steps.iter().peekable();

@@ -11,6 +11,7 @@ use crate::{
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle},
+    visible::Frustum,
     world::{Crowd, Difference, World},
 };
 use glam::Vec3;
@@ -187,14 +188,15 @@ pub enum Touched {
 }
 
 /// Traces photon `index` in both worlds at once (Dmitriev et al. 2002, Algorithm 1): in the old one with phantoms of `changed`, in the
-/// new one with those objects themselves (`phantoms` are those of `worlds[0]`). The common beginning is traced once and recorded nowhere: it deposits the same in both.
-/// From where they part, the old path goes to `old` and the new one to `new`. Traversals of the common part count in `new`.
+/// new one with those objects themselves (`phantoms` are those of `worlds[0]`). The common beginning is traced once and goes to `common`: it deposits the same in both.
+/// From where they part, the old path goes to `old` and the new one to `new`.
 pub fn trace_both(
     rules: &Rules,
     worlds: [&World; 2],
     changed: &Difference,
     phantoms: &Crowd,
     index: PhotonIndex,
+    common: &mut impl Record,
     old: &mut impl Record,
     new: &mut impl Record,
 ) -> Touched {
@@ -221,7 +223,7 @@ pub fn trace_both(
         }
     };
     loop {
-        new.ray();
+        common.ray();
         let met = after.nearest(&photon.ray);
         let phantom = phantoms.nearest(&photon.ray, met).filter(|hit| !is_same(hit, &met));
         let touched = match (&met, &phantom) {
@@ -245,7 +247,7 @@ pub fn trace_both(
             }
             return touched;
         }
-        match photon.step(rules, after, met, &mut Unrecorded) {
+        match photon.step(rules, after, met, common) {
             Some(next) => photon = next,
             None => return Touched::Nothing,
         }
@@ -256,13 +258,47 @@ fn is_same(hit: &Hit, met: &Option<Hit>) -> bool {
     met.is_some_and(|met| std::ptr::eq::<Triangle>(hit.triangle, met.triangle))
 }
 
-/// The common part of two paths leaves no trace.
-struct Unrecorded;
+/// How much of a path a camera may see: the view importance V of Dmitriev et al. 2002, §5.3.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Watch {
+    /// Where hits count; nowhere without a camera.
+    pub frustum: Option<Frustum>,
+    /// Hits in the frustum.
+    pub seen: u32,
+    /// Traversals of the trees.
+    pub rays: u64,
+}
 
-impl Record for Unrecorded {
-    fn hit(&mut self, _: &Hit, _: u8, _: Vec3, _: u16, _: bool, _: &World) {}
+impl Record for Watch {
+    fn hit(&mut self, hit: &Hit, _: u8, _: Vec3, _: u16, _: bool, _: &World) {
+        if let Some(frustum) = &self.frustum {
+            self.seen += u32::from(frustum.contains(hit.triangle.point(hit.weights)));
+        }
+    }
+
     fn end(&mut self, _: End, _: Vec3, _: u16) {}
-    fn ray(&mut self) {}
+
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+}
+
+/// Two records of one path.
+impl<A: Record, B: Record> Record for (&mut A, &mut B) {
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+        self.0.hit(hit, side, throughput, lamp, deposits, world);
+        self.1.hit(hit, side, throughput, lamp, deposits, world);
+    }
+
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
+        self.0.end(end, throughput, lamp);
+        self.1.end(end, throughput, lamp);
+    }
+
+    fn ray(&mut self) {
+        self.0.ray();
+        self.1.ray();
+    }
 }
 
 /// Counts that balance: emitted = absorbed + escaped + cut. Signed, since a re-shot photon takes its old end back.

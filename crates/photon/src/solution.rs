@@ -2,15 +2,16 @@
 //!
 //! Dmitriev et al. 2002, §5.2. All photons of one group were shot at one frozen world. When the configuration changes, the groups
 //! whose world differs are stale: their phantoms are the objects that stood elsewhere then, at most one per object, derived from
-//! that world. The stale group of highest priority is traced in both worlds; photons whose paths part are taken back in the old
-//! world and added in the new one. Pilots that meet what changed raise the priority of the group they resemble. In the end every
+//! that world. The stale group of highest priority V·P is traced in both worlds; photons whose paths part are taken back in the old
+//! world and added in the new one. Pilots that meet what changed raise the priority P of the group they resemble; those that the camera may see raise its V. In the end every
 //! group has been shot, and every bucket equals that of a fresh solution to the bit.
 
 use crate::{
     bucket::Buckets,
     halton::Sequence,
-    path::{FirstHits, Outcome, Rules, Tally, Touched, trace, trace_both},
+    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
+    visible::Frustum,
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -48,7 +49,36 @@ pub struct Solution {
     pasts: Vec<Past>,
     /// Per group, an index into `pasts`.
     past_of: Vec<u32>,
+    /// P of each group.
     priority: Vec<u32>,
+    view: Visibility,
+}
+
+/// V of each group: how many hits of pilots that resemble it lie in the camera's frustum.
+#[derive(Clone, Default)]
+struct Visibility {
+    frustum: Option<Frustum>,
+    hits: Vec<u32>,
+    /// Pilots shot since the camera moved.
+    pilots: u64,
+}
+
+/// V counts once so many pilots per group have been shot since the camera moved; until then it is 1 for all.
+/// More: V is more reliable; fewer: it is used sooner.
+const PILOTS_FOR_VISIBILITY: u64 = 8;
+
+impl Visibility {
+    fn importance(&self, group: GroupId) -> u64 {
+        let robust = self.frustum.is_some() && self.pilots >= PILOTS_FOR_VISIBILITY * self.hits.len() as u64;
+        if robust { u64::from(self.hits[group.0 as usize]) } else { 1 }
+    }
+}
+
+/// A photon whose paths part, or a pilot that the camera may see.
+struct Finding {
+    photon: PhotonIndex,
+    touched: Touched,
+    seen: u32,
 }
 
 /// A group that was brought up to date.
@@ -91,6 +121,7 @@ impl Solution {
             pasts: vec![past],
             past_of: vec![0; groups],
             priority: vec![0; groups],
+            view: Visibility { hits: vec![0; groups], ..Visibility::default() },
         })
     }
 
@@ -159,6 +190,13 @@ impl Solution {
         !self.pasts[self.past_of[group] as usize].changed.is_empty()
     }
 
+    /// From now on the light is looked at through this frustum: groups that it holds come first.
+    pub fn look(&mut self, frustum: Option<Frustum>) {
+        if self.view.frustum != frustum {
+            self.view = Visibility { frustum, hits: vec![0; self.priority.len()], pilots: 0 };
+        }
+    }
+
     /// Groups that hold phantoms.
     pub fn stale_groups(&self) -> usize {
         self.pasts.iter().filter(|past| !past.changed.is_empty()).map(|past| past.groups).sum()
@@ -169,9 +207,12 @@ impl Solution {
         (0..self.pool.groups()).map(GroupId).filter(|g| self.is_stale(g.0 as usize))
     }
 
-    /// The stale group of highest priority; among equals the first.
+    /// The stale group of highest priority V·P; among equals that of higher P, then the first.
     pub fn most_urgent(&self) -> Option<GroupId> {
-        let priority = |g: &GroupId| self.priority[g.0 as usize];
+        let priority = |g: &GroupId| {
+            let p = u64::from(self.priority[g.0 as usize]);
+            (self.view.importance(*g) * p, p)
+        };
         self.stale().reduce(|best, g| if priority(&g) > priority(&best) { g } else { best })
     }
 
@@ -184,10 +225,13 @@ impl Solution {
     pub fn repair(&mut self, group: GroupId) -> Repaired {
         let past = self.pasts[self.past_of[group.0 as usize] as usize].clone();
         let photons: Vec<PhotonIndex> = self.pool.photons_of(group).collect();
-        let (work, touched) = self.reshoot(&past.world, &past.changed, &photons);
-        for (photon, touched) in touched {
+        let (work, findings) = self.reshoot(&past.world, &past.changed, &photons);
+        self.view.pilots += self.pool.pilots_per_group();
+        for Finding { photon, touched, seen } in findings {
             if self.pool.is_pilot(photon) {
-                self.raise(self.pool.resembled(photon), touched, &past.world);
+                let resembled = self.pool.resembled(photon);
+                self.view.hits[resembled.0 as usize] += seen;
+                self.raise(resembled, touched, &past.world);
             }
         }
         self.settle(group);
@@ -222,8 +266,8 @@ impl Solution {
         self.priority[group] = 0;
     }
 
-    /// Re-shoots photons from `before` to the current world; returns those that touched what changed.
-    fn reshoot(&mut self, before: &World, changed: &Difference, photons: &[PhotonIndex]) -> (Work, Vec<(PhotonIndex, Touched)>) {
+    /// Re-shoots photons from `before` to the current world; returns those that touched what changed, and pilots that the camera may see.
+    fn reshoot(&mut self, before: &World, changed: &Difference, photons: &[PhotonIndex]) -> (Work, Vec<Finding>) {
         let lamps = self.tallies.len();
         if lamps == 0 {
             return (Work::default(), Vec::new());
@@ -233,27 +277,35 @@ impl Solution {
             .par_chunks(TASK as usize)
             .map(|photons| {
                 let (mut old, mut new) = (Outcome::new(lamps, true), Outcome::new(lamps, false));
-                let mut met = Vec::new();
-                for index in photons {
-                    let touched = trace_both(&self.rules, [before, &self.world], changed, &phantoms, *index, &mut old, &mut new);
-                    if touched != Touched::Nothing {
-                        met.push((*index, touched));
+                let (mut rays, mut findings) = (0, Vec::new());
+                for photon in photons {
+                    let frustum = self.view.frustum.filter(|_| self.pool.is_pilot(*photon));
+                    let mut common = Watch { frustum, ..Watch::default() };
+                    let mut watch = common;
+                    let worlds = [before, &*self.world];
+                    let mut both = (&mut new, &mut watch);
+                    let touched = trace_both(&self.rules, worlds, changed, &phantoms, *photon, &mut common, &mut old, &mut both);
+                    let seen = common.seen + watch.seen;
+                    rays += common.rays;
+                    if touched != Touched::Nothing || seen > 0 {
+                        findings.push(Finding { photon: *photon, touched, seen });
                     }
                 }
-                (old, new, met)
+                (old, new, rays, findings)
             })
             .collect();
         let mut work = Work { photons: photons.len() as u64, rays: 0 };
-        let mut met = Vec::new();
-        for (old, new, touched) in tasks {
+        let mut findings = Vec::new();
+        for (old, new, rays, found) in tasks {
             for outcome in [old, new] {
                 self.buckets.add(&outcome.deposits);
                 self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
                 work.rays += outcome.rays;
             }
-            met.extend(touched);
+            work.rays += rays;
+            findings.extend(found);
         }
-        (work, met)
+        (work, findings)
     }
 
     /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must be up to date with one earlier world,

@@ -5,7 +5,8 @@
 //! (Dmitriev et al. 2002, §3).
 
 use crate::{
-    body::TreePreset, bucket::Buckets, irradiance::Scale, path::FirstHits, pool::Pool, solution::Solution, world::World,
+    body::TreePreset, bucket::Buckets, irradiance::Scale, path::FirstHits, pool::Pool, solution::Solution, visible::Frustum,
+    world::World,
 };
 use lightmend_scene::{Configuration, View};
 use std::{
@@ -42,6 +43,9 @@ pub struct Snapshot {
     /// Whether this is to the bit what a fresh solution of `configuration` gives.
     pub exact: bool,
 }
+
+/// Width of pictures over their height, for what a camera may see.
+const ASPECT: f64 = 16.0 / 9.0;
 
 struct Wanted {
     configuration: Configuration,
@@ -151,12 +155,15 @@ fn work(shared: &Shared, configuration: Configuration, settings: Settings) {
         drop(wanted);
         let iteration = Instant::now();
         while iteration.elapsed() < settings.iteration {
-            let (stop, configuration) = {
+            let (stop, configuration, view) = {
                 let wanted = lock(&shared.wanted);
-                (wanted.stop, wanted.configuration.clone())
+                (wanted.stop, wanted.configuration.clone(), wanted.view)
             };
             if stop {
                 return;
+            }
+            if let Some(view) = view {
+                solution.look(Some(Frustum::new(&view, configuration.scene().up, ASPECT)));
             }
             if configuration != *world.configuration() {
                 world = Arc::new(world.moved_to(&configuration));

@@ -44,6 +44,32 @@ impl Lens {
     }
 }
 
+/// What a camera may see, whatever stands in between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frustum {
+    eye: DVec3,
+    forward: DVec3,
+    right: DVec3,
+    above: DVec3,
+    width: f64,
+}
+
+impl Frustum {
+    /// Of a camera whose picture is `aspect` times as wide as high; `up` is the scene's.
+    pub fn new(view: &View, up: Up, aspect: f64) -> Frustum {
+        let Lens { forward, right, above, .. } = Lens::new(view, up);
+        let half = right.length();
+        Frustum { eye: view.eye, forward, right: right / half / half, above: above / half / half, width: aspect }
+    }
+
+    /// Whether a point lies in it.
+    pub fn contains(&self, point: Vec3) -> bool {
+        let d = point.as_dvec3() - self.eye;
+        let depth = d.dot(self.forward);
+        depth > 0.0 && d.dot(self.above).abs() <= depth && d.dot(self.right).abs() <= depth * self.width
+    }
+}
+
 /// The element sides that a camera sees, each as often as it has pixels.
 pub struct Visible {
     /// Object, cell, side, area of the cell in m².
@@ -81,5 +107,23 @@ impl Visible {
             reference += right.length_squared();
         }
         if reference > 0.0 { (error / reference).sqrt() } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frustum_holds_what_the_lens_sees() {
+        let view = View { eye: DVec3::new(1.0, 2.0, 1.5), target: DVec3::new(4.0, 3.0, 1.0), fov: 50.0 };
+        let (lens, frustum) = (Lens::new(&view, Up::Z), Frustum::new(&view, Up::Z, 4.0 / 3.0));
+        for (x, y, inside) in
+            [(0.0, 0.0, true), (1.32, 0.99, true), (1.34, 0.0, false), (0.0, -1.01, false), (-1.32, -0.99, true)]
+        {
+            let direction = lens.forward + lens.right * x + lens.above * y;
+            assert_eq!(frustum.contains((view.eye + direction * 3.0).as_vec3()), inside, "{x}, {y}");
+            assert!(!frustum.contains((view.eye - direction).as_vec3()), "behind the camera");
+        }
     }
 }

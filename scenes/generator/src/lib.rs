@@ -1,13 +1,15 @@
 //! The scenes that Lightmend ships with, as a program: nothing in them was drawn by hand or taken from elsewhere.
 //!
-//! `shapes` makes closed `solid`s, `furniture` and `shell` join them to `mesh`es (OBJ), `room` and `cornell` place those in a `scene`
-//! (RON) under lamps with `photometry` (LM-63) and write its moves. [`files`] returns everything as bytes; the program only writes
-//! it. The same source writes the same bytes everywhere: sorted, at most five decimals.
+//! `shapes` makes closed `solid`s, `furniture` and `shell` join them to `mesh`es (OBJ), `refine` cuts those of the house finer. `room`,
+//! `house` and `cornell` place them in a `scene` (RON) under lamps with `photometry` (LM-63) and write its moves. [`files`] returns
+//! everything as bytes; the program only writes it. The same source writes the same bytes everywhere: sorted, at most five decimals.
 
 pub mod cornell;
 pub mod furniture;
+pub mod house;
 pub mod mesh;
 pub mod photometry;
+pub mod refine;
 pub mod room;
 pub mod scene;
 pub mod shapes;
@@ -30,13 +32,18 @@ impl File {
     }
 }
 
+/// All scenes.
+pub fn scenes() -> [scene::Scene; 3] {
+    [cornell::scene(), room::scene(), house::scene()]
+}
+
 /// All files of all scenes.
 ///
 /// # Errors
 /// When the encoder of the rug's picture fails.
 pub fn files() -> Result<Vec<File>, image::ImageError> {
     let mut files = Vec::new();
-    for scene in [cornell::scene(), room::scene()] {
+    for scene in scenes() {
         let folder = scene.name;
         files.push(File::text(&format!("{folder}/{folder}.ron"), scene.ron()));
         for mesh in &scene.meshes.1 {
@@ -45,8 +52,11 @@ pub fn files() -> Result<Vec<File>, image::ImageError> {
     }
     files.extend(cornell::scripts());
     files.extend(room::moves::scripts());
-    for diagram in photometry::diagrams() {
-        files.push(File::text(&format!("room/ies/{}.ies", diagram.name), diagram.ies()));
+    files.extend(house::moves::scripts());
+    for (scene, diagrams) in [("room", photometry::room()), ("house", photometry::house())] {
+        for diagram in diagrams {
+            files.push(File::text(&format!("{scene}/ies/{}.ies", diagram.name), diagram.ies()));
+        }
     }
     files.push(File { path: "room/textures/rug.png".to_string(), bytes: texture::rug()? });
     files.sort_by(|a, b| a.path.cmp(&b.path));

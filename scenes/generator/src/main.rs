@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use lightmend_scenes::{cornell, files, room};
+use lightmend_scenes::{files, scenes};
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os().skip(1);
@@ -29,7 +29,7 @@ fn write(folder: &std::path::Path) -> Result<(), String> {
         }
         std::fs::write(&path, &file.bytes).map_err(said)?;
     }
-    for scene in [cornell::scene(), room::scene()] {
+    for scene in scenes() {
         println!("{}: {} mesh elements, {} movable objects", scene.name, scene.elements(), scene.movables().count());
     }
     Ok(())

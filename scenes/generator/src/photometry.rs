@@ -1,7 +1,7 @@
 //! Photometric files of lamps that do not exist: IESNA LM-63-2002, type C, absolute candela.
 //!
-//! Four lobes that between them use every symmetry a reader meets: two axial ones that end at 90°, one over the whole sphere, and
-//! one that is symmetric about the plane C = 0–180 only and so varies with C.
+//! Six lobes that between them use every symmetry a reader meets: axial ones that end at 90°, axial ones over the whole sphere, one
+//! of four equal quadrants, and one that is symmetric about the plane C = 0–180 only.
 
 /// A luminous intensity distribution: file name, what it is, C angles, last γ in degrees, and candela of (C, γ) in degrees.
 pub struct Diagram {
@@ -15,8 +15,31 @@ pub struct Diagram {
     candela: fn(f64, f64) -> f64,
 }
 
-/// All diagrams of the room.
-pub fn diagrams() -> Vec<Diagram> {
+/// The diagrams of the house.
+pub fn house() -> Vec<Diagram> {
+    vec![
+        Diagram {
+            name: "panel",
+            what: "square ceiling panel, four quadrants, 520 cd straight down, 900 cd at 45 degrees along C = 0",
+            diameter: 0.5,
+            c: (0..=9).map(|i| 10.0 * i as f64).collect(),
+            gamma_end: 90.0,
+            // A Lambertian panel whose grooves throw more light to its ends than to its sides.
+            candela: |c, g| cos(g) * (520.0 + (1500.0 * cos(c).powi(2) + 700.0 * sin(c).powi(2)) * sin(g).powi(2)),
+        },
+        Diagram {
+            name: "standing",
+            what: "standing lamp with a shade open above and below, 330 cd down, 420 cd up, 60 cd to the sides",
+            diameter: 0.06,
+            c: vec![0.0],
+            gamma_end: 180.0,
+            candela: |_, g| 60.0 + if g < 90.0 { 270.0 * cos(g) } else { 360.0 * -cos(g) },
+        },
+    ]
+}
+
+/// The diagrams of the room.
+pub fn room() -> Vec<Diagram> {
     vec![
         Diagram {
             name: "diffuser",
@@ -94,7 +117,7 @@ mod tests {
 
     #[test]
     fn files_hold_as_many_candela_as_they_announce() {
-        for d in diagrams() {
+        for d in room().into_iter().chain(house()) {
             let text = d.ies();
             let (_, numbers) = text.split_once("TILT=NONE\n").expect("a tilt line");
             let numbers: Vec<f64> = numbers.split_whitespace().map(|n| n.parse().expect("a number")).collect();

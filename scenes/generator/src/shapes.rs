@@ -43,6 +43,50 @@ pub fn grid_box(xs: &[f64], ys: &[f64], zs: &[f64]) -> Solid {
     Solid { material: "", points, uv: Vec::new(), triangles }
 }
 
+/// The surface of those cells of a grid whose middle `filled` accepts. No two of them may touch along an edge or a corner only.
+pub fn grid_solid(xs: &[f64], ys: &[f64], zs: &[f64], filled: impl Fn(DVec3) -> bool) -> Solid {
+    let axes = [xs, ys, zs];
+    let counts = axes.map(|a| a.len() as i64 - 1);
+    let full = |cell: [i64; 3]| {
+        (0..3).all(|a| (0..counts[a]).contains(&cell[a]))
+            && filled(DVec3::from_array([0, 1, 2].map(|a| {
+                let i = cell[a] as usize;
+                (axes[a][i] + axes[a][i + 1]) / 2.0
+            })))
+    };
+    let mut index: BTreeMap<[i64; 3], usize> = BTreeMap::new();
+    let mut points = Vec::new();
+    let mut triangles = Vec::new();
+    for (i, j, k) in (0..counts[0]).flat_map(|i| (0..counts[1]).flat_map(move |j| (0..counts[2]).map(move |k| (i, j, k)))) {
+        let cell = [i, j, k];
+        if !full(cell) {
+            continue;
+        }
+        for axis in 0..3 {
+            for far in [0, 1] {
+                let mut neighbour = cell;
+                neighbour[axis] += 2 * far - 1;
+                if full(neighbour) {
+                    continue;
+                }
+                let mut corner = |du: i64, dw: i64| {
+                    let mut key = cell;
+                    key[axis] += far;
+                    key[(axis + 1) % 3] += du;
+                    key[(axis + 2) % 3] += dw;
+                    *index.entry(key).or_insert_with(|| {
+                        points.push(v(xs[key[0] as usize], ys[key[1] as usize], zs[key[2] as usize]));
+                        points.len() - 1
+                    })
+                };
+                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                triangles.extend(if far == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+            }
+        }
+    }
+    Solid { material: "", points, uv: Vec::new(), triangles }
+}
+
 /// `n` equal steps from `a` to `b`: `n` + 1 coordinates.
 pub fn steps(a: f64, b: f64, n: usize) -> Vec<f64> {
     (0..=n).map(|i| a + (b - a) * i as f64 / n as f64).collect()
@@ -276,6 +320,8 @@ mod tests {
             ball(0.04),
             tube(&[v(0.0, 0.0, 0.0), v(0.0, 0.0, 1.0), v(0.3, 0.0, 1.2)], v(0.0, 1.0, 0.0), 0.01, 6),
             leg(v(0.0, 0.0, 0.0), v(0.1, 0.0, 0.7), 0.03, 0.05),
+            // An L: the cell in its corner is left out.
+            grid_solid(&[0.0, 1.0, 3.0], &[0.0, 2.0, 3.0], &[0.0, 1.0], |p| p.x < 1.0 || p.y < 2.0),
         ];
         for (i, s) in shapes.iter().enumerate() {
             assert_eq!(s.defect(), None, "shape {i}");

@@ -10,7 +10,7 @@ use lightmend_photon::{
     drag::{Frame, Play},
     recovery::Order,
     solution::Solution,
-    visible::Visible,
+    visible::{Frustum, Visible},
     world::World,
 };
 use lightmend_scene::{Configuration, Moves, TimedEdit, View};
@@ -54,7 +54,8 @@ pub fn play(
         steps.push((at - first, world.clone()));
     }
     let visible = Visible::new(end.world(), &view);
-    let play = Play { start, steps: &steps, end, visible: &visible, fps: moves.fps, work };
+    let frustum = Some(Frustum::new(&view, before.scene().up, 4.0 / 3.0));
+    let play = Play { start, steps: &steps, end, visible: &visible, frustum, fps: moves.fps, work };
     let mut drag = Drag::new();
     for (order, name) in orders.iter().map(|o| o.order()).filter(|(order, _)| *order != Order::Oracle) {
         let bar = progress::bar(0, &format!("drag, {name}"), quiet);

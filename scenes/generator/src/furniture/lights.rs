@@ -48,3 +48,38 @@ pub fn ceiling_light() -> Mesh {
 pub fn washer() -> Mesh {
     Mesh::new("washer", vec![lathe(&[(0.06, -0.07), (0.06, 0.0)], 12).of("black steel")])
 }
+
+/// Where the standing lamp's point of light is, metres above the middle of its foot.
+pub const STANDING: [f64; 3] = [0.0, 0.0, 1.52];
+
+/// A standing lamp: an upright stem, and around its light a wide shade that is open above and below, on three spokes.
+pub fn standing_lamp() -> Mesh {
+    let mut s = vec![
+        lathe(
+            &[
+                (0.15, 0.0),
+                (0.15, 0.02),
+                (0.02, 0.035),
+                (0.012, 0.0351),
+                (0.012, 0.75),
+                (0.012, 1.4),
+                (0.022, 1.401),
+                (0.022, 1.46),
+            ],
+            14,
+        )
+        .of("brass"),
+        shade(0.22, 1.39, 0.15, 1.66).of("lamp shade"),
+    ];
+    for turn in [0.0, 120.0, 240.0] {
+        // From the stem into the shade.
+        s.push(super::bar("brass", [0.0121, 0.214], [-0.003, 0.003], [1.405, 1.411]).turn_z(turn));
+    }
+    Mesh::new("standing_lamp", s)
+}
+
+/// A square ceiling light, upper side at z = 0; its light is 2 cm below its lower side.
+pub fn panel_light() -> Mesh {
+    let frame = crate::shapes::soft_block(v(-0.3, -0.3, -0.05), v(0.3, 0.3, 0.0), 0.015).of("enamel");
+    Mesh::new("panel_light", vec![frame])
+}

@@ -3,9 +3,12 @@
 
 pub mod bed;
 pub mod decor;
+pub mod kitchen;
 pub mod lights;
 pub mod seats;
 pub mod storage;
+pub mod store;
+pub mod study;
 pub mod table;
 
 use crate::mesh::Mesh;
@@ -13,11 +16,11 @@ use crate::shapes::block;
 use crate::solid::{Solid, v};
 
 /// A box of `material` between two corners, metres.
-fn bar(material: &'static str, x: [f64; 2], y: [f64; 2], z: [f64; 2]) -> Solid {
+pub(crate) fn bar(material: &'static str, x: [f64; 2], y: [f64; 2], z: [f64; 2]) -> Solid {
     block(v(x[0], y[0], z[0]), v(x[1], y[1], z[1])).of(material)
 }
 
-/// All meshes that can be moved, in the order of their names.
+/// The room's meshes that can be moved, in the order of their names.
 pub fn meshes() -> Vec<Mesh> {
     let mut all = vec![
         bed::bed(),

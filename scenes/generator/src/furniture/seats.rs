@@ -84,3 +84,23 @@ pub fn pouf() -> Mesh {
     let profile = [(0.19, 0.0), (0.245, 0.1), (0.245, 0.28), (0.2, 0.37), (0.1, 0.395)];
     Mesh::new("pouf", vec![lathe(&profile, 14).of("teal cloth")])
 }
+
+/// An armchair, 0.8 × 0.8 m: a sofa's parts for one, on a wooden base.
+pub fn armchair() -> Mesh {
+    const CLOTH: &str = "armchair cloth";
+    let mut s = vec![
+        soft_block(v(-0.3, -0.34, 0.16), v(0.3, 0.36, 0.28), 0.02).of(CLOTH),
+        puffed(cut_soft_block(v(-0.285, -0.24, 0.281), v(0.285, 0.38, 0.42), 0.04, [2, 2, 1]), 0.285, 0.42).of(CLOTH),
+    ];
+    for side in [-1.0, 1.0] {
+        let arm = soft_block(v(-0.055, -0.36, 0.16), v(0.055, 0.36, 0.6), 0.035);
+        s.push(arm.map(|p| v(side * (0.358 + p.x * side), p.y, p.z - 0.1 * p.y * (p.z - 0.16))).of(CLOTH));
+        for y in [-0.3, 0.3] {
+            s.push(leg(v(0.32 * side, y * 1.05, 0.0), v(0.28 * side, y * 0.98, 0.1599), 0.026, 0.045).of("beech"));
+        }
+    }
+    // The back leans by 14 degrees and is bowed around the shoulders.
+    let back = cut_soft_block(v(-0.3, 0.0, 0.0), v(0.3, 0.13, 0.62), 0.045, [4, 1, 2]);
+    s.push(back.map(|p| v(p.x, p.y + 0.6 * p.x * p.x, p.z)).turn_x(14.0).at(v(0.0, -0.38, 0.281)).of(CLOTH));
+    Mesh::new("armchair", s)
+}

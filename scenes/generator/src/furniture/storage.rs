@@ -124,3 +124,24 @@ pub fn chest() -> Mesh {
     ];
     Mesh::new("chest", s)
 }
+
+/// The height of the sideboard's top, metres.
+pub const SIDEBOARD: f64 = 0.78;
+
+/// A sideboard with three doors on legs, 1.6 × 0.42 × 0.78 m.
+pub fn sideboard() -> Mesh {
+    const WOOD: &str = "walnut";
+    let mut s = vec![
+        soft_block(v(-0.8, -0.21, SIDEBOARD - 0.024), v(0.8, 0.21, SIDEBOARD), 0.006).of(WOOD),
+        bar(WOOD, [-0.785, 0.785], [-0.2, 0.17], [0.18, SIDEBOARD - 0.0241]),
+    ];
+    for i in 0..3 {
+        let x = -0.78 + 0.522 * i as f64;
+        s.push(bar("sideboard front", [x, x + 0.516], [0.1701, 0.188], [0.19, SIDEBOARD - 0.034]));
+        s.push(bar("brass", [x + 0.4, x + 0.48], [0.1881, 0.204], [0.66, 0.672]));
+    }
+    for (x, y) in [(-0.7, -0.15), (-0.7, 0.13), (0.7, -0.15), (0.7, 0.13)] {
+        s.push(leg(v(x * 1.04, y * 1.1, 0.0), v(x, y, 0.1799), 0.024, 0.042).of(WOOD));
+    }
+    Mesh::new("sideboard", s)
+}

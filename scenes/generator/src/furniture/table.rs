@@ -45,3 +45,19 @@ pub fn oranges() -> Mesh {
     s.push(lemon.at(v(0.0, 0.0, 0.037 + 0.057)).of("lemon peel"));
     Mesh::new("oranges", s)
 }
+
+/// The height of the coffee table's top, metres.
+pub const LOW: f64 = 0.42;
+
+/// A coffee table with a shelf below, 0.95 × 0.5 m.
+pub fn coffee_table() -> Mesh {
+    const WOOD: &str = "beech";
+    let mut s = vec![
+        soft_block(v(-0.475, -0.25, LOW - 0.025), v(0.475, 0.25, LOW), 0.008).of(WOOD),
+        soft_block(v(-0.43, -0.2, 0.14), v(0.43, 0.2, 0.158), 0.005).of(WOOD),
+    ];
+    for (x, y) in [(-0.44, -0.215), (-0.44, 0.215), (0.44, -0.215), (0.44, 0.215)] {
+        s.push(leg(v(x, y, 0.0), v(x * 0.99, y, LOW - 0.0251), 0.026, 0.04).of(WOOD));
+    }
+    Mesh::new("coffee_table", s)
+}
