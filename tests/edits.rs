@@ -67,8 +67,8 @@ fn drain(solution: &mut Solution, groups: usize) {
 
 #[test]
 fn mixed_edits_drain_to_a_fresh_solution() {
-    let cases = count(40, 400) as u32;
-    for name in ["cornell", "room"] {
+    for (name, cases) in [("cornell", count(40, 400)), ("room", count(40, 400)), ("house", count(5, 100))] {
+        let cases = cases as u32;
         let scene = own_scene(name);
         let start = shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay);
         let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };

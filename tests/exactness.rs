@@ -19,7 +19,10 @@ use proptest::{
     prelude::*,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
 };
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 /// One random step: which movable object, where to, and how many groups are repaired before the next step.
 #[derive(Debug, Clone)]
@@ -211,5 +214,34 @@ fn the_background_solver_ends_with_the_same_bits() {
     let light = solver.wait_until_exact();
     assert!(light.exact && light.configuration == configuration);
     let fresh = shoot(pool, &Arc::new(World::new(&configuration, TreePreset::Medium)), FirstHits::AsLampsSay);
+    assert!(light.buckets == *fresh.buckets());
+}
+
+#[test]
+fn a_caller_that_edits_sixty_times_a_second_drains_to_the_same_bits() {
+    // How long the calls take while the solver works on all cores is printed (`--nocapture`): time is no test.
+    let scene = own_scene("room");
+    let pool = pool(200_000);
+    let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: Duration::from_millis(20), threads: 2 };
+    let home = Configuration::initial(&scene);
+    let solver = Solver::start(home.clone(), settings).unwrap();
+    let from = home.object(home.object_id("table").unwrap()).pose.position;
+    let mut configuration = home;
+    let mut longest: Vec<Duration> = Vec::new();
+    for step in 0..count(300, 3600) {
+        let to = from + DVec3::X * (0.5 * (step as f64 * 0.05).sin());
+        let call = Instant::now();
+        configuration = configuration.apply(&Edit::Move { object: "table".into(), to }).unwrap();
+        solver.edit(configuration.clone());
+        solver.look(scene.cameras[step as usize % 3].1);
+        drop(solver.snapshot());
+        longest.push(call.elapsed());
+        std::thread::sleep(Duration::from_micros(16_667).saturating_sub(call.elapsed()));
+    }
+    longest.sort();
+    let [median, high, worst] = [0.5, 0.999, 1.0].map(|share| longest[(longest.len() as f64 * share) as usize - 1]);
+    println!("calls: median {median:?}, 99.9th percentile {high:?}, longest {worst:?}");
+    let light = solver.wait_until_exact();
+    let fresh = shoot(pool, &Arc::new(World::new(&configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
     assert!(light.buckets == *fresh.buckets());
 }

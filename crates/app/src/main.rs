@@ -95,9 +95,10 @@ struct PoolArguments {
     /// Photons in the pool. More: less noise (half for four times as many), longer work
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     photons: Option<u64>,
-    /// Groups that the pool is split into (the seed's Ng), best a product of powers of 2, 3, 5, 7
-    #[arg(long, value_name = "N", default_value_t = 288, value_parser = clap::value_parser!(u32).range(1..))]
-    ng: u32,
+    /// Groups that the pool is split into (the seed's Ng), best a product of powers of 2, 3, 5, 7; by default 2^3 3^2 for one lamp
+    /// and twice as many for twice the lamps
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    ng: Option<u32>,
     /// Photons per pilot photon (the seed's R)
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     r: u32,
@@ -110,15 +111,20 @@ struct PoolArguments {
 const DEFAULT_PHOTONS: u64 = 1_152_000;
 
 impl PoolArguments {
-    fn pool(&self) -> Result<Pool, Failure> {
+    /// N_g: the seed's (§7) for so many lamps, unless it is given.
+    fn groups(&self, scene: &Scene) -> u32 {
+        self.ng.unwrap_or_else(|| 72 * (scene.lamps.len().clamp(1, 1024).next_power_of_two() as u32))
+    }
+
+    fn pool(&self, scene: &Scene) -> Result<Pool, Failure> {
         let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
-        Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.ng, self.r, scrambling)
+        Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.groups(scene), self.r, scrambling)
             .map_err(|e| Failure::input(format!("--photons: {e}")))
     }
 
     /// The smallest pool of these groups: one pilot in each. It can grow to any size, and any of its prefixes can be kept.
-    fn smallest(self) -> Result<Pool, Failure> {
-        PoolArguments { photons: Some(u64::from(self.ng) * u64::from(self.r)), ..self }.pool()
+    fn smallest(self, scene: &Scene) -> Result<Pool, Failure> {
+        PoolArguments { photons: Some(u64::from(self.groups(scene)) * u64::from(self.r)), ..self }.pool(scene)
     }
 }
 

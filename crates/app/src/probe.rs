@@ -41,9 +41,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
-    let pool = arguments.pool.pool()?;
     let points = read_points(&arguments.points)?;
     let scene = common.read_scene(&arguments.scene)?;
+    let pool = arguments.pool.pool(&scene)?;
     output::file(&arguments.out)?;
     let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
     let mut places = Vec::new();

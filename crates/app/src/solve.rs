@@ -6,10 +6,16 @@ use crate::{
     output::{self, say},
     picture, progress,
 };
-use lightmend_photon::{body::TreePreset, irradiance::Scale, path::FirstHits, solution::Solution, world::World};
-use lightmend_scene::Configuration;
+use lightmend_photon::{
+    body::TreePreset, irradiance::Scale, path::FirstHits, pool::Pool, saved::Saved, solution::Solution, world::World,
+};
+use lightmend_scene::{Configuration, SceneError};
 use serde_json::json;
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Instant,
+};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -23,12 +29,18 @@ pub struct Arguments {
     /// Write the integer buckets, one line per object, cell, side and lamp
     #[arg(long, value_name = "FILE")]
     dump: Option<PathBuf>,
-    /// Write summary.json and a picture per camera into this folder
+    /// Write summary.json, solution.light (see --resume) and a picture per camera into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on from a solution.light that was written for this scene, as if it had never been interrupted
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
+
+/// The file that --resume goes on from.
+const SOLUTION: &str = "solution.light";
 
 /// Photons of a run that ends by the clock: as many as there are indices.
 const BY_THE_CLOCK: u64 = lightmend_photon::halton::INDEX_LIMIT;
@@ -36,31 +48,38 @@ const BY_THE_CLOCK: u64 = lightmend_photon::halton::INDEX_LIMIT;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
+    let scene = common.read_scene(&arguments.scene)?;
     let photons = match arguments.seconds {
-        None => arguments.pool.pool()?.photons(),
+        None => arguments.pool.pool(&scene)?.photons(),
         Some(seconds) if seconds.is_finite() && seconds > 0.0 => BY_THE_CLOCK,
         Some(seconds) => return Err(Failure::input(format!("--seconds {seconds}: must be positive"))),
     };
     // Nothing is repaired here, so the fewest pilots do, and a run that ends early keeps what it shot.
-    let pool = arguments.pool.smallest()?.grown(photons);
-    let scene = common.read_scene(&arguments.scene)?;
+    let pool = arguments.pool.smallest(&scene)?.grown(photons);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
     let pictures = picture::file_names(&scene);
-    let files = [&["summary.json".to_owned()], &pictures[..]].concat();
+    let files = [&["summary.json".to_owned(), SOLUTION.to_owned()], &pictures[..]].concat();
     let out = arguments.out.as_deref().map(|out| output::folder(out, &files)).transpose()?;
 
+    let configuration = Configuration::initial(&scene);
+    let saved = arguments.resume.as_deref().map(|path| read_saved(path, &configuration, &pool)).transpose()?;
     let start = Instant::now();
-    let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
+    let world = Arc::new(World::new(&configuration, TreePreset::default()));
     let built = start.elapsed().as_secs_f64();
     let bar = progress::bar(arguments.seconds.map_or(pool.photons(), |s| (s * 1000.0) as u64), "shooting photons", common.quiet);
+    let before = saved.as_ref().map_or(0, |s| s.photons);
     let start = Instant::now();
     let mut rays = 0;
-    let solution = Solution::shoot(pool, world, FirstHits::AsLampsSay, &mut |photons, new_rays| {
+    let mut progress = |photons, new_rays| {
         rays += new_rays;
         let elapsed = start.elapsed().as_secs_f64();
         bar.set_position(arguments.seconds.map_or(photons, |_| (elapsed * 1000.0) as u64));
         !progress::interrupted() && arguments.seconds.is_none_or(|s| elapsed < s)
-    });
+    };
+    let solution = match saved {
+        None => Solution::shoot(pool, world, FirstHits::AsLampsSay, &mut progress),
+        Some(saved) => Solution::resume(pool, world, saved, &mut progress),
+    };
     bar.finish_and_clear();
     let Some(solution) = solution else {
         return Err(Failure::failed("interrupted before there were enough photons to keep"));
@@ -76,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let total = |f: fn(&lightmend_photon::path::Tally) -> i64| tallies.iter().map(f).sum::<i64>();
     let threads = rayon::current_num_threads();
     let summary = json!({
-        "scene": scene.name, "photons": photons, "threads": threads, "rays": rays, "seconds": seconds, "tree_seconds": built,
+        "scene": scene.name, "photons": photons, "resumed_from": before, "threads": threads, "rays": rays, "seconds": seconds, "tree_seconds": built,
         "triangles": scene.triangles(), "cells": scene.cells(),
         "absorbed": total(|t| t.absorbed), "escaped": total(|t| t.escaped), "cut": total(|t| t.cut),
         "lit_buckets": buckets.lit().count(), "bucket_bytes": buckets.bytes(), "interrupted": progress::interrupted(),
@@ -86,12 +105,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!(
             "{}: {photons} photons, {rays} rays ({:.2} a photon) in {seconds:.2} s on {threads} threads: {:.2} Mrays/s",
             scene.name,
-            rays as f64 / photons as f64,
+            rays as f64 / (photons - before).max(1) as f64,
             rays as f64 / seconds / 1e6
         ));
         say(&format!("absorbed {}, escaped {}, cut {}", total(|t| t.absorbed), total(|t| t.escaped), total(|t| t.cut)));
     }
     if let Some(out) = out {
+        if let Some(saved) = solution.to_saved() {
+            output::write(&out.join(SOLUTION), |file| saved.write(solution.world().configuration(), file))?;
+        }
         let scale = Scale::new(solution.world(), photons);
         for (name, (_, view)) in pictures.iter().zip(&scene.cameras) {
             let path = out.join(name);
@@ -102,4 +124,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if progress::interrupted() { Err(Failure::failed(format!("interrupted; {photons} photons were kept"))) } else { Ok(()) }
+}
+
+/// A saved solution that fits the scene and the pool.
+fn read_saved(path: &Path, configuration: &Configuration, pool: &Pool) -> Result<Saved, Failure> {
+    let bytes = std::fs::read(path).map_err(|e| SceneError::read(path, e))?;
+    let saved = Saved::read(&bytes, configuration).map_err(|e| SceneError::content(path, e))?;
+    if (saved.scrambling, saved.first_hits) != (pool.scrambling, FirstHits::AsLampsSay) {
+        return Err(SceneError::content(path, "it was shot with another --scramble; give that one").into());
+    }
+    if saved.photons > pool.photons() {
+        let what = format!("it has {} photons already; ask for more with --photons", saved.photons);
+        return Err(SceneError::content(path, what).into());
+    }
+    Ok(saved)
 }

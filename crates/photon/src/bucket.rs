@@ -81,16 +81,25 @@ impl Buckets {
     /// Adds or takes away deposits.
     pub fn add(&mut self, deposits: &[Deposit]) {
         for deposit in deposits {
-            let Address { object, cell, side, lamp } = deposit.to;
-            let cells = self.cells[object as usize] as usize;
-            let page = &mut self.pages[object as usize][2 * usize::from(lamp) + usize::from(side)];
-            let bucket = &mut page.get_or_insert_with(|| vec![Bucket::default(); cells].into())[cell as usize];
+            let bucket = &mut self.page(deposit.to)[deposit.to.cell as usize];
             let sign = if deposit.negative { -1 } else { 1 };
             for (sum, energy) in bucket.energy.iter_mut().zip(deposit.energy) {
                 *sum += sign * i64::from(energy);
             }
             bucket.hits += sign;
         }
+    }
+
+    /// Sets one bucket.
+    pub fn set(&mut self, at: Address, bucket: Bucket) {
+        self.page(at)[at.cell as usize] = bucket;
+    }
+
+    #[inline]
+    fn page(&mut self, at: Address) -> &mut [Bucket] {
+        let cells = self.cells[at.object as usize] as usize;
+        let page = &mut self.pages[at.object as usize][2 * usize::from(at.lamp) + usize::from(at.side)];
+        page.get_or_insert_with(|| vec![Bucket::default(); cells].into())
     }
 
     /// The buckets of all cells of one object, side and lamp; `None` if no light ever arrived.

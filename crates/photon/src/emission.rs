@@ -6,8 +6,9 @@
 
 use lightmend_scene::{Configuration, luminance};
 
-/// Chances of at least 1/32: the groups of N_g = 2⁵·3² photons each keep to one lamp.
-const LEAST_BITS: u32 = 5;
+/// Chances are multiples of 1/8 for one lamp, and twice as fine for twice the lamps: as fine as the groups of the seed's N_g, which is
+/// 2⁵·3² for four lamps (§7), so that each group keeps to one lamp.
+const BITS_FOR_ONE: u32 = 3;
 
 /// The chance of each lamp.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,8 +36,7 @@ impl LampChoice {
         if lamps == 0 {
             return choice;
         }
-        // Twice as many steps as lamps, so that the brightest still differ.
-        let bits = LEAST_BITS.max(lamps.next_power_of_two().ilog2() + 1);
+        let bits = BITS_FOR_ONE + lamps.next_power_of_two().ilog2();
         let steps = 1u32 << bits;
         let total: f64 = rated.iter().map(|(_, flux)| flux).sum();
         let mut share: Vec<u32> = vec![1; lamps];

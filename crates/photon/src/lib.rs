@@ -35,6 +35,7 @@ pub mod pool;
 pub mod probe;
 pub mod recovery;
 pub mod sampling;
+pub mod saved;
 pub mod solution;
 pub mod solver;
 pub mod triangle;

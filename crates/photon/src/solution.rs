@@ -11,6 +11,7 @@ use crate::{
     halton::Sequence,
     path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
+    saved::Saved,
     visible::Frustum,
     world::{Difference, World},
 };
@@ -100,7 +101,32 @@ impl Solution {
         progress: &mut dyn FnMut(u64, u64) -> bool,
     ) -> Option<Solution> {
         let rules = Arc::new(Rules { sequence: Sequence::new(pool.scrambling), first_hits });
-        let mut shooting = Shooting::new(rules.clone(), world.clone());
+        Solution::finish(pool, Shooting::new(rules, world), progress)
+    }
+
+    /// As [`shoot`](Self::shoot), going on from what was saved; its scrambling and first hits must be those of the pool. `None` also if
+    /// more was saved than the pool holds.
+    pub fn resume(pool: Pool, world: Arc<World>, saved: Saved, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
+        let rules = Arc::new(Rules { sequence: Sequence::new(pool.scrambling), first_hits: saved.first_hits });
+        let mut shooting = Shooting::new(rules, world);
+        (shooting.buckets, shooting.tallies) = (saved.buckets, saved.tallies);
+        shooting.work.photons = saved.photons;
+        (saved.photons <= pool.photons()).then(|| Solution::finish(pool, shooting, progress))?
+    }
+
+    /// What can be saved of a solution of which nothing is stale.
+    pub fn to_saved(&self) -> Option<Saved> {
+        (self.stale_groups() == 0).then(|| Saved {
+            scrambling: self.pool.scrambling,
+            first_hits: self.rules.first_hits,
+            photons: self.pool.photons(),
+            buckets: self.buckets.clone(),
+            tallies: self.tallies.clone(),
+        })
+    }
+
+    fn finish(pool: Pool, mut shooting: Shooting, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
+        let (rules, world) = (shooting.rules.clone(), shooting.world.clone());
         while shooting.photons() < pool.photons() {
             let left = pool.photons() - shooting.photons();
             let rays = shooting.work.rays;

@@ -4,7 +4,7 @@
 //! that buckets and trees can be told by number.
 
 use crate::{
-    Lamp, Material, Motion, Object, Pose, Scene, SceneError,
+    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError,
     format::{MaterialEntry, SceneFile},
     scene::same,
     unknown,
@@ -186,6 +186,59 @@ impl Configuration {
             object.mesh.positions.iter().map(move |p| motion.point(*p).abs().max_element())
         });
         vertices.fold(0.0, f64::max)
+    }
+
+    /// A hash of all that photons' paths depend on: geometry, materials, lamps and how they share the photons. Not of what is read-out
+    /// only (dimming, switching), and not of names of files.
+    pub fn content_hash(&self) -> [u8; 32] {
+        let mut hasher = blake3::Hasher::new();
+        let mut numbers = |values: &[f64]| {
+            for value in values {
+                hasher.update(&value.to_le_bytes());
+            }
+        };
+        numbers(&[self.reach()]);
+        let mut objects: Vec<_> = self.objects().collect();
+        objects.sort_by(|a, b| a.1.name.cmp(&b.1.name));
+        for (id, object) in objects {
+            let (motion, mesh) = (self.object_motion(id), &object.mesh);
+            numbers(&motion.rotation.to_cols_array());
+            numbers(&motion.translation.to_array());
+            numbers(&[mesh.positions.len() as f64, mesh.triangles.len() as f64, mesh.uvs.len() as f64]);
+            mesh.positions.iter().for_each(|p| numbers(&p.to_array()));
+            for (t, triangle) in mesh.triangles.iter().enumerate() {
+                numbers(&triangle.map(f64::from));
+                numbers(&[f64::from(mesh.material_of[t]), f64::from(object.lattice.divisions(t))]);
+            }
+            mesh.uvs.iter().flatten().for_each(|uv| numbers(&uv.to_array()));
+            for material in &object.materials {
+                numbers(&material.reflectance.to_array().map(f64::from));
+                if let Some(texture) = &material.texture {
+                    texture.numbers(&mut numbers);
+                }
+            }
+        }
+        let mut lamps: Vec<_> = self.lamps().collect();
+        lamps.sort_by(|a, b| a.1.name.cmp(&b.1.name));
+        for (id, lamp) in lamps {
+            let motion = self.lamp_motion(id);
+            numbers(&motion.rotation.to_cols_array());
+            numbers(&motion.translation.to_array());
+            numbers(&lamp.rated.to_array());
+            numbers(&[f64::from(u8::from(lamp.direct == Direct::Photons))]);
+            if let Some(photometry) = &lamp.photometry {
+                for c in photometry.horizontal() {
+                    photometry.vertical().iter().for_each(|gamma| numbers(&[*c, *gamma, photometry.candela_at(*c, *gamma)]));
+                }
+            }
+        }
+        // Names decide ties between hits.
+        let mut names: Vec<&str> = self.objects().map(|(_, object)| object.name.as_str()).collect();
+        names.sort_unstable();
+        for name in names {
+            hasher.update(name.as_bytes()).update(&[0]);
+        }
+        *hasher.finalize().as_bytes()
     }
 
     /// The scene file that says this state.

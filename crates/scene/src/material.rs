@@ -68,6 +68,12 @@ impl Texture {
         Ok(Texture { width, height, texels: image.pixels().map(|p| p.0).collect(), linear: Box::new(linear) })
     }
 
+    /// The image as numbers, for hashing.
+    pub(crate) fn numbers(&self, take: &mut impl FnMut(&[f64])) {
+        take(&[f64::from(self.width), f64::from(self.height)]);
+        self.texels.iter().for_each(|texel| take(&texel.map(f64::from)));
+    }
+
     /// Bilinear, in linear light; (0, 0) is the lower left corner of the image.
     pub fn sample(&self, [u, v]: [f32; 2]) -> Vec3 {
         let x = u.rem_euclid(1.0) * self.width as f32 - 0.5;

@@ -96,8 +96,8 @@ impl Chapter {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
-    let pool = arguments.pool.pool()?;
     let scene = common.read_scene(&arguments.scene)?;
+    let pool = arguments.pool.pool(&scene)?;
     let (moves, warnings) = Moves::read(&arguments.script, &scene)?;
     common.warn(&warnings);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let summary = json!({
         "scene": scene.name, "photons": pool.photons(), "threads": rayon::current_num_threads(),
-        "ng": arguments.pool.ng, "r": arguments.pool.r, "work": arguments.work, "cells": scene.cells(),
+        "ng": pool.groups(), "r": arguments.pool.r, "work": arguments.work, "cells": scene.cells(),
         "interrupted": progress::interrupted(), "edits": report::json(&chapters),
     });
     report::write(&out, &scene.name, &chapters, arguments.work, common)?;

@@ -16,14 +16,14 @@ fn unknown_arguments() {
 #[test]
 fn pool_smaller_than_its_groups() {
     let desk = Desk::new();
-    for photons in [0, 4607] {
-        desk.refuses(&format!("solve cornell.ron --photons {photons} --dump d"), &["--photons", "at least 4608"]);
+    for photons in [0, 1151] {
+        desk.refuses(&format!("solve cornell.ron --photons {photons} --dump d"), &["--photons", "at least 1152"]);
     }
     desk.refuses("solve cornell.ron --photons 20000 --ng 1000 --r 100", &["--photons", "at least 100000"]);
     desk.refuses("solve cornell.ron --photons -5", &["--photons", "'-5'"]);
     desk.refuses("solve cornell.ron --photons 99999999999999", &["--photons", "too many", "limit"]);
     desk.refuses("solve cornell.ron --ng 0", &["--ng", "'0'"]);
-    desk.done("solve cornell.ron --photons 4608");
+    desk.done("solve cornell.ron --photons 1152");
 }
 
 #[test]

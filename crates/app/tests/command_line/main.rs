@@ -12,3 +12,4 @@ mod import;
 mod interrupt;
 mod invariants;
 mod printed;
+mod resume;
