@@ -163,10 +163,14 @@ fn scrambled_or_not_and_any_grouping() {
     let world = world(&scene);
     let configuration =
         Configuration::initial(&scene).apply(&Edit::Turn { object: "tall box".into(), to: DVec3::Z * 40.0 }).unwrap();
-    let pools =
-        [(50_000, 10_080, 4, Scrambling::None), (50_003, 7, 100, Scrambling::Seed(5)), (4_608, 288, 16, Scrambling::None)];
-    for (photons, groups, ratio, scrambling) in pools {
-        let pool = Pool::new(photons, groups, ratio, scrambling).unwrap();
+    let pools = [
+        (50_000, 10_080, 4, 1, Scrambling::None),
+        (50_003, 7, 100, 1, Scrambling::Seed(5)),
+        (4_608, 288, 16, 1, Scrambling::None),
+        (100_003, 288, 16, 16, Scrambling::Seed(5)),
+    ];
+    for (photons, groups, ratio, copies, scrambling) in pools {
+        let pool = Pool::new(photons, groups, ratio, scrambling).unwrap().in_copies(copies).unwrap();
         let mut solution = shoot(pool, &world, FirstHits::AsLampsSay);
         solution.change(Arc::new(world.moved_to(&configuration)));
         repair(&mut solution, usize::MAX);

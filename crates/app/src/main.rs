@@ -105,6 +105,9 @@ struct PoolArguments {
     /// Seed of the sequence's digit permutations; 0 is the plain Halton sequence
     #[arg(long, value_name = "N", default_value_t = 1)]
     scramble: u64,
+    /// Copies of the sequence, each with permutations of its own: 1, 2, 4, … 64
+    #[arg(long, value_name = "M", default_value_t = 1)]
+    copies: u32,
 }
 
 /// The seed's pool for its ROOM.
@@ -119,12 +122,14 @@ impl PoolArguments {
     fn pool(&self, scene: &Scene) -> Result<Pool, Failure> {
         let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
         Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.groups(scene), self.r, scrambling)
+            .and_then(|pool| pool.in_copies(self.copies))
             .map_err(|e| Failure::input(format!("--photons: {e}")))
     }
 
     /// The smallest pool of these groups: one pilot in each. It can grow to any size, and any of its prefixes can be kept.
     fn smallest(self, scene: &Scene) -> Result<Pool, Failure> {
-        PoolArguments { photons: Some(u64::from(self.groups(scene)) * u64::from(self.r)), ..self }.pool(scene)
+        PoolArguments { photons: Some(u64::from(self.groups(scene)) * u64::from(self.r) * u64::from(self.copies)), ..self }
+            .pool(scene)
     }
 }
 

@@ -130,8 +130,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn read_saved(path: &Path, configuration: &Configuration, pool: &Pool) -> Result<Saved, Failure> {
     let bytes = std::fs::read(path).map_err(|e| SceneError::read(path, e))?;
     let saved = Saved::read(&bytes, configuration).map_err(|e| SceneError::content(path, e))?;
-    if (saved.scrambling, saved.first_hits) != (pool.scrambling, FirstHits::AsLampsSay) {
-        return Err(SceneError::content(path, "it was shot with another --scramble; give that one").into());
+    let sequence = (saved.scrambling, saved.copies, saved.first_hits);
+    if sequence != (pool.scrambling, pool.copies_and_groups(), FirstHits::AsLampsSay) {
+        return Err(SceneError::content(path, "it was shot with another --scramble or --copies; give that one").into());
     }
     if saved.photons > pool.photons() {
         let what = format!("it has {} photons already; ask for more with --photons", saved.photons);

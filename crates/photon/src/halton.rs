@@ -42,6 +42,11 @@ pub struct RadicalInverse {
 impl RadicalInverse {
     /// The radical inverse in `base` (a prime).
     pub fn new(base: u64, scrambling: Scrambling) -> RadicalInverse {
+        RadicalInverse::of_copy(base, scrambling, 0, 0)
+    }
+
+    /// As [`new`](Self::new), for one of several copies that share the permutations of the first `shared` digits.
+    fn of_copy(base: u64, scrambling: Scrambling, copy: u64, shared: u32) -> RadicalInverse {
         let (mut digits, mut denominator) = (0u32, 1u64);
         while denominator < INDEX_LIMIT {
             denominator *= base;
@@ -55,7 +60,8 @@ impl RadicalInverse {
         let mut tables = Vec::new();
         for first in (0..digits).step_by(run as usize) {
             let positions: Vec<u32> = (first..digits.min(first + run)).collect();
-            let permutations: Vec<Vec<u64>> = positions.iter().map(|p| permutation(base, *p, scrambling)).collect();
+            let permutations: Vec<Vec<u64>> =
+                positions.iter().map(|p| permutation(base, *p, scrambling, if *p < shared { 0 } else { copy })).collect();
             let table = (0..base.pow(positions.len() as u32)).map(|value| {
                 let mut value = value;
                 let mut sum = 0;
@@ -110,10 +116,10 @@ impl RadicalInverse {
     }
 }
 
-fn permutation(base: u64, position: u32, scrambling: Scrambling) -> Vec<u64> {
+fn permutation(base: u64, position: u32, scrambling: Scrambling, copy: u64) -> Vec<u64> {
     let mut digits: Vec<u64> = (0..base).collect();
     if let Scrambling::Seed(seed) = scrambling {
-        let mut state = mix(seed ^ mix(base << 32 | u64::from(position)));
+        let mut state = mix(seed ^ mix(copy << 48 | base << 32 | u64::from(position)));
         for i in (1..base).rev() {
             state = mix(state);
             // The bias of a remainder of 64 bits by at most 311 is below 1e-16.
@@ -123,36 +129,52 @@ fn permutation(base: u64, position: u32, scrambling: Scrambling) -> Vec<u64> {
     digits
 }
 
-/// The random numbers of all photons: one radical inverse per dimension, then the hash.
+/// The random numbers of all photons: copies of the Halton sequence, one radical inverse per dimension, then the hash.
+///
+/// Photon i is point i / M of copy i mod M. Each copy has its own permutations, so that the spread over copies tells the error; but
+/// those of the digits that a group of photons fixes are shared, so that a group is the same elementary interval in every copy.
 #[derive(Debug)]
 pub struct Sequence {
-    inverses: Vec<RadicalInverse>,
+    /// Per copy, its dimensions.
+    copies: Vec<Vec<RadicalInverse>>,
+    /// log₂ of the number of copies.
+    shift: u32,
     padding: u64,
 }
 
 impl Sequence {
-    /// The Halton sequence in the first [`DIMENSIONS`] primes.
+    /// One copy of the Halton sequence in the first [`DIMENSIONS`] primes.
     pub fn new(scrambling: Scrambling) -> Sequence {
-        let inverses = primes().take(DIMENSIONS).map(|p| RadicalInverse::new(p, scrambling)).collect();
+        Sequence::of_copies(scrambling, 0, 1)
+    }
+
+    /// 2^`shift` copies, whose groups are residue classes modulo `groups`.
+    pub fn of_copies(scrambling: Scrambling, shift: u32, groups: u32) -> Sequence {
+        let power_in_groups = |base: u64| (0..).take_while(|k| u64::from(groups) % base.pow(k + 1) == 0).count() as u32;
+        let copy = |copy| {
+            let inverse = |base| RadicalInverse::of_copy(base, scrambling, copy, power_in_groups(base));
+            primes().take(DIMENSIONS).map(inverse).collect()
+        };
         let padding = match scrambling {
             Scrambling::None => 0,
             Scrambling::Seed(seed) => mix(seed),
         };
-        Sequence { inverses, padding }
+        Sequence { copies: (0..1 << shift).map(copy).collect(), shift, padding }
+    }
+
+    /// How many copies of the sequence there are.
+    pub fn copies(&self) -> u32 {
+        self.copies.len() as u32
     }
 
     /// Number `dimension` of photon `index`, in [0, 1).
     #[inline]
     pub fn value(&self, index: u64, dimension: usize) -> f64 {
-        match self.inverses.get(dimension) {
-            Some(inverse) => inverse.value(index),
+        let copy = &self.copies[(index & ((1 << self.shift) - 1)) as usize];
+        match copy.get(dimension) {
+            Some(inverse) => inverse.value(index >> self.shift),
             None => (mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64 / (1u64 << 53) as f64,
         }
-    }
-
-    /// The radical inverse of a dimension below [`DIMENSIONS`].
-    pub fn inverse(&self, dimension: usize) -> &RadicalInverse {
-        &self.inverses[dimension]
     }
 }
 
@@ -234,6 +256,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn copies_differ_and_share_their_groups() {
+        let sequence = Sequence::of_copies(Scrambling::Seed(3), 4, 288);
+        for dimension in 0..4 {
+            for group in [0, 7, 287] {
+                let values: Vec<f64> = (0..16).map(|copy| sequence.value(((group + 288 * 5) << 4) | copy, dimension)).collect();
+                let spans = [32.0, 9.0, 1.0, 1.0];
+                let cell = |v: &f64| (v * spans[dimension]).floor();
+                assert!(values.iter().all(|v| cell(v) == cell(&values[0])), "one elementary interval: {values:?}");
+                assert!(values.windows(2).any(|v| v[0] != v[1]), "copies differ");
+            }
+        }
+        let one = Sequence::of_copies(Scrambling::Seed(3), 0, 288);
+        assert!((0..1000).all(|i| one.value(i, 2) == sequence.value(i << 4, 2)), "the first copy is the sequence itself");
     }
 
     #[test]

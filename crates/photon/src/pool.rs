@@ -3,7 +3,7 @@
 //! With N photons, N_g groups and pilots' ratio R, a group has N_p = ⌊N / (N_g R)⌋ pilots: group *g* holds the pilots
 //! [g·N_p, (g+1)·N_p) and the corrective photons i ≥ N_g·N_p with i mod N_g = g. What N leaves over joins its residue class.
 
-use crate::halton::{INDEX_LIMIT, Scrambling};
+use crate::halton::{INDEX_LIMIT, Scrambling, Sequence};
 
 /// The index of a photon; its path is a function of it and of the configuration alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,6 +32,9 @@ pub enum PoolError {
     /// No groups or no photons in them.
     #[error("the number of groups and the pilots' ratio must be at least 1")]
     Empty,
+    /// A number of copies that cannot be.
+    #[error("{0} copies of the sequence: they must be 1, 2, 4, … 64, and scrambled if there are several")]
+    Copies(u32),
 }
 
 /// How many photons there are, and how they are grouped.
@@ -39,6 +42,10 @@ pub enum PoolError {
 pub struct Pool {
     photons: u64,
     groups: u32,
+    ratio: u32,
+    /// log₂ of the copies of the sequence.
+    shift: u32,
+    /// N_p in each copy.
     pilots: u64,
     /// How the sequence is scrambled.
     pub scrambling: Scrambling,
@@ -59,12 +66,41 @@ impl Pool {
         if pilots == 0 {
             return Err(PoolError::TooSmall { photons, groups, ratio });
         }
-        Ok(Pool { photons, groups, pilots, scrambling })
+        Ok(Pool { photons, groups, ratio, shift: 0, pilots, scrambling })
+    }
+
+    /// The same photons in so many copies of the sequence (1, 2, 4, … 64), each with permutations of its own: their spread tells the
+    /// error. More copies: a better estimate of the error, a little more noise.
+    pub fn in_copies(self, copies: u32) -> Result<Pool, PoolError> {
+        if !copies.is_power_of_two() || copies > 64 || (copies > 1 && self.scrambling == Scrambling::None) {
+            return Err(PoolError::Copies(copies));
+        }
+        let Pool { photons, groups, ratio, .. } = self;
+        let pilots = photons / (u64::from(groups) * u64::from(ratio) * u64::from(copies));
+        if pilots == 0 {
+            return Err(PoolError::TooSmall { photons, groups, ratio: ratio * copies });
+        }
+        Ok(Pool { shift: copies.ilog2(), pilots, ..self })
+    }
+
+    /// M, the copies of the sequence.
+    pub fn copies(&self) -> u32 {
+        1 << self.shift
+    }
+
+    /// M, and N_g where it matters to the sequence: what a saved solution must agree in.
+    pub fn copies_and_groups(&self) -> [u32; 2] {
+        [self.copies(), if self.shift == 0 { 1 } else { self.groups }]
+    }
+
+    /// The random numbers of its photons.
+    pub fn sequence(&self) -> Sequence {
+        Sequence::of_copies(self.scrambling, self.shift, self.groups)
     }
 
     /// The same groups with only the first `photons` photons; `None` if those are less than the pilots.
     pub fn shrunk(self, photons: u64) -> Option<Pool> {
-        (photons >= self.pilots * u64::from(self.groups)).then_some(Pool { photons: photons.min(self.photons), ..self })
+        (photons >= self.all_pilots() << self.shift).then_some(Pool { photons: photons.min(self.photons), ..self })
     }
 
     /// The same pilots with more corrective photons, `photons` in all.
@@ -82,43 +118,36 @@ impl Pool {
         self.groups
     }
 
-    /// N_p, pilots per group.
+    /// N_p of all copies together, pilots per group.
     pub fn pilots_per_group(&self) -> u64 {
-        self.pilots
+        self.pilots << self.shift
+    }
+
+    /// Pilots of one copy; its first points.
+    fn all_pilots(&self) -> u64 {
+        self.pilots * u64::from(self.groups)
     }
 
     /// Whether a photon is a pilot.
     pub fn is_pilot(&self, photon: PhotonIndex) -> bool {
-        photon.0 < self.pilots * u64::from(self.groups)
+        photon.0 >> self.shift < self.all_pilots()
     }
 
-    /// The group whose corrective photons resemble this one: i mod N_g (Eq. 6).
+    /// The group whose corrective photons resemble this one: i mod N_g (Eq. 6), with i counted in the photon's copy.
     pub fn resembled(&self, photon: PhotonIndex) -> GroupId {
-        GroupId((photon.0 % u64::from(self.groups)) as u32)
+        GroupId(((photon.0 >> self.shift) % u64::from(self.groups)) as u32)
     }
 
-    /// How many photons group `g` holds.
-    pub fn group_len(&self, g: GroupId) -> u64 {
-        let all_pilots = self.pilots * u64::from(self.groups);
-        let correctives = (self.photons - all_pilots).saturating_sub(u64::from(g.0)).div_ceil(u64::from(self.groups));
-        self.pilots + correctives
-    }
-
-    /// Photon `k` of group `g`: its pilots first, then its corrective photons.
-    #[inline]
-    pub fn photon(&self, g: GroupId, k: u64) -> PhotonIndex {
-        let groups = u64::from(self.groups);
-        PhotonIndex(if k < self.pilots {
-            u64::from(g.0) * self.pilots + k
-        } else {
-            // N_g·N_p is a multiple of N_g, so the first corrective photon of residue g is N_g·N_p + g.
-            groups * self.pilots + u64::from(g.0) + (k - self.pilots) * groups
-        })
-    }
-
-    /// The photons of group `g`.
+    /// The photons of group `g`: copy by copy, its pilots, then its corrective photons.
     pub fn photons_of(&self, g: GroupId) -> impl Iterator<Item = PhotonIndex> + '_ {
-        (0..self.group_len(g)).map(move |k| self.photon(g, k))
+        let (groups, g) = (u64::from(self.groups), u64::from(g.0));
+        (0..1u64 << self.shift).flat_map(move |copy| {
+            let points = (self.photons - copy).div_ceil(1 << self.shift);
+            let pilots = g * self.pilots..(g + 1) * self.pilots;
+            // N_g·N_p is a multiple of N_g, so the first corrective photon of residue g is N_g·N_p + g.
+            let correctives = (self.all_pilots() + g..points).step_by(groups as usize);
+            pilots.chain(correctives).map(move |point| PhotonIndex(point << self.shift | copy))
+        })
     }
 }
 
@@ -141,8 +170,9 @@ mod tests {
 
     #[test]
     fn every_photon_is_in_one_group() {
-        for (photons, groups, ratio) in [(1000, 6, 4), (1001, 6, 4), (999, 10, 7), (50_000, 288, 16), (10, 10, 1), (13, 10, 1)] {
-            let pool = Pool::new(photons, groups, ratio, Scrambling::None).unwrap();
+        let pools = [(1000, 6, 4, 1), (1001, 6, 4, 2), (999, 10, 7, 8), (50_003, 288, 4, 16), (10, 10, 1, 1), (13, 10, 1, 1)];
+        for (photons, groups, ratio, copies) in pools {
+            let pool = Pool::new(photons, groups, ratio, Scrambling::Seed(1)).unwrap().in_copies(copies).unwrap();
             let mut seen: Vec<u64> =
                 (0..groups).flat_map(|g| pool.photons_of(GroupId(g)).map(|i| i.0).collect::<Vec<_>>()).collect();
             seen.sort_unstable();

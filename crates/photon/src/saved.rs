@@ -1,6 +1,6 @@
 //! A solution as a file: written after it was shot, and shot on later, to the same bits as in one go.
 //!
-//! Little-endian: magic, version, the scene's content hash, seed of the scrambling (0: none), which first hits deposit, photons shot;
+//! Little-endian: magic, version, the scene's content hash, seed of the scrambling (0: none), copies, which first hits deposit, photons shot;
 //! the tally of each lamp and every bucket that is not dark, objects and lamps numbered in order of their names; a hash of all that.
 //! Dimming and switching lamps leaves a file valid: they are read-out only.
 
@@ -23,6 +23,8 @@ const VERSION: u64 = 1;
 pub struct Saved {
     /// The sequence it was shot with.
     pub scrambling: Scrambling,
+    /// Its copies, and the groups that they share digits for; no matter if there is one.
+    pub copies: [u32; 2],
     /// Which hits deposited.
     pub first_hits: FirstHits,
     /// Photons shot, the first ones of the sequence.
@@ -71,7 +73,8 @@ impl Saved {
         };
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend_from_slice(&configuration.content_hash());
-        for value in [seed, first_hits, self.photons] {
+        let copies = u64::from(self.copies[0]) << 32 | u64::from(self.copies[1]);
+        for value in [seed, copies, first_hits, self.photons] {
             bytes.extend(value.to_le_bytes());
         }
         let (objects, lamps) = (objects(configuration), lamps(configuration));
@@ -111,6 +114,8 @@ impl Saved {
             0 => Scrambling::None,
             seed => Scrambling::Seed(seed),
         };
+        let copies = input.number()?;
+        let copies = [(copies >> 32) as u32, copies as u32];
         let first_hits = match input.number()? {
             0 => FirstHits::AsLampsSay,
             1 => FirstHits::Never,
@@ -144,7 +149,7 @@ impl Saved {
         if !input.0.is_empty() {
             return Err(SavedError::Damaged);
         }
-        Ok(Saved { scrambling, first_hits, photons, buckets, tallies })
+        Ok(Saved { scrambling, copies, first_hits, photons, buckets, tallies })
     }
 }
 

@@ -8,7 +8,6 @@
 
 use crate::{
     bucket::Buckets,
-    halton::Sequence,
     path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
     saved::Saved,
@@ -100,14 +99,14 @@ impl Solution {
         first_hits: FirstHits,
         progress: &mut dyn FnMut(u64, u64) -> bool,
     ) -> Option<Solution> {
-        let rules = Arc::new(Rules { sequence: Sequence::new(pool.scrambling), first_hits });
+        let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits });
         Solution::finish(pool, Shooting::new(rules, world), progress)
     }
 
     /// As [`shoot`](Self::shoot), going on from what was saved; its scrambling and first hits must be those of the pool. `None` also if
     /// more was saved than the pool holds.
     pub fn resume(pool: Pool, world: Arc<World>, saved: Saved, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
-        let rules = Arc::new(Rules { sequence: Sequence::new(pool.scrambling), first_hits: saved.first_hits });
+        let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits: saved.first_hits });
         let mut shooting = Shooting::new(rules, world);
         (shooting.buckets, shooting.tallies) = (saved.buckets, saved.tallies);
         shooting.work.photons = saved.photons;
@@ -118,6 +117,7 @@ impl Solution {
     pub fn to_saved(&self) -> Option<Saved> {
         (self.stale_groups() == 0).then(|| Saved {
             scrambling: self.pool.scrambling,
+            copies: self.pool.copies_and_groups(),
             first_hits: self.rules.first_hits,
             photons: self.pool.photons(),
             buckets: self.buckets.clone(),
@@ -407,9 +407,15 @@ impl Shooting {
 
     fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
         let mut outcome = Outcome::new(self.tallies.len(), false);
-        let first = indices.start + (class + CLASSES - indices.start % CLASSES) % CLASSES;
-        for index in (first..indices.end).step_by(CLASSES as usize) {
-            trace(&self.rules, &self.world, PhotonIndex(index), &mut outcome);
+        let shift = self.rules.sequence.copies().ilog2();
+        // Copy by copy, so that the tables of one sequence stay at hand.
+        for copy in 0..1u64 << shift {
+            let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
+            let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
+            let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
+            for point in (first..end).step_by(CLASSES as usize) {
+                trace(&self.rules, &self.world, PhotonIndex(point << shift | copy), &mut outcome);
+            }
         }
         outcome
     }
