@@ -17,7 +17,10 @@ mod solve;
 
 use clap::{Args, Parser, Subcommand};
 use failure::Failure;
-use lightmend_photon::{halton::Scrambling, pool::Pool};
+use lightmend_photon::{
+    halton::Scrambling,
+    pool::{Pool, PoolError},
+};
 use lightmend_scene::{Scene, Warning};
 use std::{path::Path, process::ExitCode, sync::Arc};
 
@@ -123,7 +126,10 @@ impl PoolArguments {
         let scrambling = if self.scramble == 0 { Scrambling::None } else { Scrambling::Seed(self.scramble) };
         Pool::new(self.photons.unwrap_or(DEFAULT_PHOTONS), self.groups(scene), self.r, scrambling)
             .and_then(|pool| pool.in_copies(self.copies))
-            .map_err(|e| Failure::input(format!("--photons: {e}")))
+            .map_err(|e| {
+                let argument = if matches!(e, PoolError::Copies(_)) { "--copies" } else { "--photons" };
+                Failure::input(format!("{argument}: {e}"))
+            })
     }
 
     /// The smallest pool of these groups: one pilot in each. It can grow to any size, and any of its prefixes can be kept.
