@@ -1,6 +1,6 @@
 //! The house: four furnished rooms, 10 × 8 × 2.7 m, joined by three doors; two lamps.
 //!
-//! It is the scene of many small elements: all meshes are cut to triangles of at most [`EDGE`], which the scene's `cell` then divides.
+//! It is the scene of many small elements: all meshes are cut to triangles of at most `EDGE`, which the scene's `cell` then divides.
 //! The house is closed, so no light leaves it; the windows open onto nothing.
 
 mod fixtures;
