@@ -14,6 +14,8 @@ pub struct Course {
     pub moments: Vec<Moment>,
     /// The same groups if pilots knew all.
     pub perfect: Vec<Moment>,
+    /// The same groups if all pilots were shot before any corrective photon.
+    pub pilots_first: Vec<Moment>,
 }
 
 const COLOURS: [plotters::style::RGBColor; 4] = [RED, BLUE, GREEN, OCHRE];
@@ -66,8 +68,8 @@ pub fn against_time(title: &str, courses: &[Course], relevant: u64) -> Panel {
     Panel { title: title.into(), across: "time since the edit, s (one thread)".into(), upwards: scale.upwards, curves }
 }
 
-/// Repaired photons against rays. With `perfect`, also what the same groups would allow.
-pub fn against_rays(title: &str, courses: &[Course], relevant: u64, perfect: bool) -> Panel {
+/// Repaired photons against rays. With `limits`, also what the same groups would allow.
+pub fn against_rays(title: &str, courses: &[Course], relevant: u64, limits: bool) -> Panel {
     let scale = Scale::new(relevant);
     let end = courses.first().map_or(0.0, |c| last(&c.moments).rays as f64 * 1e-6);
     let points = |moments: &[Moment]| moments.iter().map(|m| (m.rays as f64 * 1e-6, scale.of(m.repaired))).collect();
@@ -75,9 +77,14 @@ pub fn against_rays(title: &str, courses: &[Course], relevant: u64, perfect: boo
     for (course, colour) in courses.iter().zip(COLOURS) {
         let name = course.name.clone();
         curves.push(Curve { name, colour, stroke: Stroke::Solid, points: points(&course.moments) });
-        if perfect {
-            let name = format!("{}, if pilots knew all", course.name);
-            curves.push(Curve { name, colour, stroke: Stroke::Dashed, points: points(&course.perfect) });
+        if limits {
+            let limits = [
+                ("all pilots first", Stroke::Dashed, &course.pilots_first),
+                ("pilots know all", Stroke::Dotted, &course.perfect),
+            ];
+            for (what, stroke, moments) in limits {
+                curves.push(Curve { name: format!("{}, {what}", course.name), colour, stroke, points: points(moments) });
+            }
         }
     }
     curves.extend(guides(relevant, &scale, end));
@@ -94,6 +101,6 @@ pub fn row(course: &Course, relevant: u64) -> String {
         let cost = SHARES.map(|share| format!("{:.1}", 100.0 * reached(moments, share, relevant).rays as f64 / all));
         cost.join(" / ")
     };
-    let end = last(&course.moments);
-    format!("{} | {} | {} | {:.1}", course.name, shares(&course.moments), shares(&course.perfect), end.seconds)
+    let [own, first, perfect] = [&course.moments, &course.pilots_first, &course.perfect].map(|moments| shares(moments));
+    format!("{} | {own} | {first} | {perfect} | {:.1}", course.name, last(&course.moments).seconds)
 }

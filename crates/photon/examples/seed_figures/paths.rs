@@ -76,12 +76,18 @@ pub struct Plan {
     bundles: Vec<Bundle>,
 }
 
+/// An edge and the normals of the triangles that share it.
+struct Edge {
+    ends: [DVec3; 2],
+    normals: Vec<DVec3>,
+}
+
 /// Edges of an object where surfaces meet at an angle or end, metres.
 fn outline(configuration: &Configuration, id: usize) -> Vec<[DVec3; 2]> {
     let motion = configuration.object_motion(id);
     let mesh = &configuration.object(id).mesh;
     let key = |p: DVec3| (p * 1e4).round().to_array().map(|x| x as i64);
-    let mut edges: BTreeMap<[[i64; 3]; 2], ([DVec3; 2], Vec<DVec3>)> = BTreeMap::new();
+    let mut edges: BTreeMap<[[i64; 3]; 2], Edge> = BTreeMap::new();
     for t in 0..mesh.triangles.len() {
         let corners = mesh.corners(t).map(|p| motion.point(p));
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
@@ -89,11 +95,11 @@ fn outline(configuration: &Configuration, id: usize) -> Vec<[DVec3; 2]> {
             let ends = [corners[side], corners[(side + 1) % 3]];
             let mut name = ends.map(key);
             name.sort();
-            edges.entry(name).or_insert((ends, Vec::new())).1.push(normal);
+            edges.entry(name).or_insert(Edge { ends, normals: Vec::new() }).normals.push(normal);
         }
     }
     let bends = |normals: &[DVec3]| normals.len() == 1 || normals.iter().any(|n| n.dot(normals[0]) < 0.9);
-    edges.into_values().filter(|(_, normals)| bends(normals)).map(|(ends, _)| ends).collect()
+    edges.into_values().filter(|edge| bends(&edge.normals)).map(|edge| edge.ends).collect()
 }
 
 impl Plan {
@@ -133,12 +139,12 @@ impl Plan {
     }
 }
 
-const WIDTH: u32 = 900;
+const WIDTH: u32 = 840;
 const MARGIN: u32 = 20;
 /// Above the plan, for title and legend.
 const HEAD: u32 = 120;
 /// Edges that would be drawn shorter than this are left out, pixels.
-const SHORTEST: f64 = 6.0;
+const SHORTEST: f64 = 9.0;
 
 impl Picture for Plan {
     fn size(&self) -> (u32, u32) {
@@ -211,7 +217,7 @@ impl Plan {
         let groups = self.bundles.iter().zip(GROUPS).map(|(bundle, colour)| {
             let Bundle { group, photons, after_a_bounce, .. } = bundle;
             let text = format!(
-                "group {}: {photons} corrective photons, {after_a_bounce} of them meet the object after one bounce (strong, dot where they land)",
+                "group {}: of {photons} corrective photons {after_a_bounce} meet the object, or the place it left, after one bounce (strong; dots: where they land)",
                 group.0
             );
             (text, colour)
