@@ -204,7 +204,8 @@ fn the_background_solver_ends_with_the_same_bits() {
     let scene = own_scene("room");
     let (moves, _) = Moves::read(&own_scene_path("room").with_file_name("moves/drag.ron"), &scene).unwrap();
     let pool = pool(50_000);
-    let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: Duration::from_millis(5), threads: 2 };
+    let settings =
+        Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: Duration::from_millis(5), iterations: 2, threads: 2 };
     let mut configuration = Configuration::initial(&scene);
     let solver = Solver::start(configuration.clone(), settings).unwrap();
     for timed in &moves.edits {
@@ -226,7 +227,8 @@ fn a_caller_that_edits_sixty_times_a_second_drains_to_the_same_bits() {
     // How long the calls take while the solver works on all cores is printed (`--nocapture`): time is no test.
     let scene = own_scene("room");
     let pool = pool(200_000);
-    let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: Duration::from_millis(20), threads: 2 };
+    let settings =
+        Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: Duration::from_millis(10), iterations: 2, threads: 2 };
     let home = Configuration::initial(&scene);
     let solver = Solver::start(home.clone(), settings).unwrap();
     let from = home.object(home.object_id("table").unwrap()).pose.position;

@@ -113,10 +113,13 @@ impl Worker {
                 if !Arc::ptr_eq(solution.world(), world) {
                     solution.change(world.clone());
                 }
-                while *rays < until {
-                    let next = if *random { random_stale(solution, *rays) } else { solution.most_urgent() };
-                    let Some(group) = next else { return true };
-                    *rays += solution.repair(group).work.rays;
+                if *random {
+                    while *rays < until {
+                        let Some(group) = random_stale(solution, *rays) else { return true };
+                        *rays += solution.repair(group).work.rays;
+                    }
+                } else {
+                    *rays += solution.repair_round(until.saturating_sub(*rays)).rays;
                 }
                 solution.stale_groups() == 0
             }

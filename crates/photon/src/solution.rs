@@ -247,6 +247,18 @@ impl Solution {
         self.most_urgent().map(|group| self.repair(group))
     }
 
+    /// A round of headless work: repairs groups until `rays` were traced or nothing is stale. It ends with the group that reaches them,
+    /// so that what a row of rounds does depends on state alone.
+    pub fn repair_round(&mut self, rays: u64) -> Work {
+        let mut work = Work::default();
+        while work.rays < rays {
+            let Some(repaired) = self.repair_next() else { break };
+            work.photons += repaired.work.photons;
+            work.rays += repaired.work.rays;
+        }
+        work
+    }
+
     /// Brings one group up to date.
     pub fn repair(&mut self, group: GroupId) -> Repaired {
         let past = self.pasts[self.past_of[group.0 as usize] as usize].clone();
