@@ -1,12 +1,18 @@
 //! All kinds of edits, mixed and interrupted, drain to the bits of a fresh solution, and of a fresh reading of the edited scene.
 
 use glam::DVec3;
-use lightmend_photon::{body::TreePreset, path::FirstHits, solution::Solution, world::World};
+use lightmend_photon::{
+    body::TreePreset,
+    path::FirstHits,
+    recovery::{Order, Relevant, recover},
+    solution::Solution,
+    world::World,
+};
 use lightmend_scene::{
     Configuration, Edit, Scene,
     format::{LampEntry, ObjectEntry, write_ron},
 };
-use lightmend_tests::{count, own_scene, own_scene_path, pool, shoot, world};
+use lightmend_tests::{Builder, count, own_scene, own_scene_path, pool, shoot, world};
 use proptest::{
     prelude::*,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
@@ -88,7 +94,10 @@ fn mixed_edits_drain_to_a_fresh_solution() {
                 prop_assert!(solution.equals(&fresh), "the light differs from a fresh solution's");
                 let emitted: i64 = solution.tallies().iter().map(|t| t.absorbed + t.escaped + t.cut).sum();
                 prop_assert_eq!(emitted, 30_000, "emitted = absorbed + escaped + cut");
-                prop_assert!(dump(&solution) == reread(&scene, &configuration), "the written scene gives other light");
+                prop_assert!(
+                    dump(&solution) == dump_of(30_000, &reread_scene(&scene, &configuration)),
+                    "the written scene gives other light"
+                );
                 let mut home = solution;
                 home.change(world(&scene));
                 drain(&mut home, usize::MAX);
@@ -105,15 +114,18 @@ fn dump(solution: &Solution) -> String {
     String::from_utf8(text).unwrap()
 }
 
-/// The light of the edited scene, written to a file and read again as any other.
-fn reread(scene: &Arc<Scene>, configuration: &Configuration) -> String {
+/// The edited scene, written to a file and read again as any other.
+fn reread_scene(scene: &Arc<Scene>, configuration: &Configuration) -> Arc<Scene> {
     let folder = tempfile::tempdir().unwrap();
     let mut file = configuration.to_file();
     file.relocate(scene.path.parent().unwrap(), folder.path()).unwrap();
     let path = folder.path().join("edited.ron");
     write_ron(&path, &file).unwrap();
-    let (scene, _) = Scene::read(&path).unwrap();
-    dump(&shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay))
+    Scene::read(&path).unwrap().0
+}
+
+fn dump_of(photons: u64, scene: &Arc<Scene>) -> String {
+    dump(&shoot(pool(photons), &world(scene), FirstHits::AsLampsSay))
 }
 
 #[test]
@@ -183,4 +195,58 @@ fn a_dark_scene_can_be_lit() {
     drain(&mut solution, usize::MAX);
     assert!(solution.equals(&shoot(pool(10_000), &Arc::new(World::new(&lit, TreePreset::Fast)), FirstHits::AsLampsSay)));
     assert!(solution.buckets().lit().count() > 0);
+}
+
+#[test]
+fn a_photon_that_ends_otherwise_is_relevant() {
+    // Regression: with another reflectance a photon may meet the same walls and then escape instead of being absorbed.
+    let builder = Builder::default()
+        .rectangle("floor", 0.6, [0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0])
+        .rectangle("wall", 0.3, [0.0; 3], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0])
+        .lamp([1.0, 1.0, 1.0], 50.0);
+    let scene = builder.build(&[]);
+    let drained = shoot(pool(20_000), &world(&scene), FirstHits::AsLampsSay);
+    let edit = Edit::Reflect { material: "of floor".into(), to: DVec3::new(0.2, 0.3, 0.1) };
+    let after = Arc::new(drained.world().moved_to(&Configuration::initial(&scene).apply(&edit).unwrap()));
+    let relevant = Relevant::find(drained.pool(), drained.rules(), drained.world(), &after);
+    let oracle = recover(&drained, &after, Order::Oracle, &relevant, FirstHits::AsLampsSay, &mut |_| true).unwrap();
+    assert!(oracle.solution.equals(&shoot(*drained.pool(), &after, FirstHits::AsLampsSay)));
+}
+
+#[test]
+fn a_fixed_object_that_comes_back_elsewhere_has_moved() {
+    // Regression: two fixed objects of one mesh; one is taken away and the other's copy takes its name at once.
+    let mut builder = Builder::default()
+        .cuboid("room", 0.6, [0.0; 3], [3.0, 3.0, 2.5], true)
+        .cuboid("chair 1", 0.4, [0.4, 0.4, 0.0], [0.8, 0.8, 0.5], false)
+        .lamp([1.5, 1.5, 2.2], 50.0);
+    let twin = ObjectEntry { position: DVec3::new(1.5, 0.0, 0.0), ..builder.file.objects[1].clone() };
+    builder.file.objects.push(twin.named("chair 2".into()));
+    let scene = builder.build(&[]);
+    let mut solution = shoot(pool(20_000), &world(&scene), FirstHits::AsLampsSay);
+    let gone = Configuration::initial(&scene).apply(&Edit::Remove { object: "chair 1".into() }).unwrap();
+    let copy = Edit::Duplicate { object: "chair 2".into(), name: "chair 1".into(), to: DVec3::new(0.0, 1.5, 0.0) };
+    let back = gone.apply(&copy).unwrap();
+    let next = Arc::new(solution.world().moved_to(&back));
+    solution.change(next);
+    assert_eq!(solution.stale_groups(), 288);
+    drain(&mut solution, usize::MAX);
+    let fresh = shoot(pool(20_000), &Arc::new(World::new(&back, TreePreset::Fast)), FirstHits::AsLampsSay);
+    assert!(solution.equals(&fresh));
+}
+
+#[test]
+fn what_an_edit_names_or_asks_is_checked() {
+    let scene = own_scene("cornell");
+    let home = Configuration::initial(&scene);
+    let refused = |edit: Edit, told: &str| {
+        let error = home.apply(&edit).map(|_| ()).or_else(|e| Err(e.to_string())).unwrap_err();
+        assert!(error.contains(told), "{error}");
+    };
+    let copy = |name: &str| Edit::Duplicate { object: "short box".into(), name: name.into(), to: DVec3::ONE };
+    refused(copy(""), "printable");
+    refused(copy("a\tb"), "printable");
+    refused(copy("tall box"), "already");
+    let drag = Edit::Drag { object: "short box".into(), to: DVec3::ONE, step: 1e-9, seconds: 1.0 };
+    assert!(drag.steps(&home).unwrap_err().to_string().contains("make its step longer"));
 }

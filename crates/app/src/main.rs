@@ -117,9 +117,9 @@ struct PoolArguments {
 const DEFAULT_PHOTONS: u64 = 1_152_000;
 
 impl PoolArguments {
-    /// N_g: the seed's (§7) for so many lamps, unless it is given.
+    /// N_g: the seed's (§7) for so many lamps, at most 4,608 for small pools' sake, unless it is given.
     fn groups(&self, scene: &Scene) -> u32 {
-        self.ng.unwrap_or_else(|| 72 * (scene.lamps.len().clamp(1, 1024).next_power_of_two() as u32))
+        self.ng.unwrap_or_else(|| 72 * (scene.lamps.len().clamp(1, 64).next_power_of_two() as u32))
     }
 
     fn pool(&self, scene: &Scene) -> Result<Pool, Failure> {

@@ -390,37 +390,43 @@ struct Footprint {
     // The same place of the world can be another element of an object that slid within its own surface.
     cell: u32,
     energy: [u32; 3],
+    lamp: u16,
+    deposits: bool,
 }
 
 /// The hits of a path, to compare.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Trail {
     hits: Vec<Footprint>,
+    end: Option<(End, [u32; 3], u16)>,
     /// Traversals of the trees.
     pub rays: u64,
 }
 
 impl Trail {
-    /// Whether another path differs in a hit or a deposit.
+    /// Whether another path differs in a hit, a deposit or its end.
     pub fn differs(&self, other: &Trail) -> bool {
-        self.hits != other.hits
+        self.hits != other.hits || self.end != other.end
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
         self.hits.clear();
+        self.end = None;
         self.rays = 0;
     }
 }
 
 impl Record for Trail {
-    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, _: u16, _: bool, world: &World) {
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
         let position = hit.triangle.point(hit.weights).to_array().map(f32::to_bits);
         let (cell, energy) = (cell(world, hit), energy(throughput));
-        self.hits.push(Footprint { triangle: hit.triangle.order(), side, position, cell, energy });
+        self.hits.push(Footprint { triangle: hit.triangle.order(), side, position, cell, energy, lamp, deposits });
     }
 
-    fn end(&mut self, _: End, _: Vec3, _: u16) {}
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
+        self.end = Some((end, energy(throughput), lamp));
+    }
 
     fn ray(&mut self) {
         self.rays += 1;

@@ -1,6 +1,6 @@
 //! Recovery after an edit, order against order: how much work until which share of the relevant photons is repaired.
 //!
-//! A photon is relevant if a hit (triangle, side, exact position) or a deposit of its path differs between the drained
+//! A photon is relevant if a hit (triangle, side, exact position), a deposit or the end of its path differs between the drained
 //! configuration and the edited one; found by brute force. The seed draws such curves in its Figures 5 and 7.
 
 use crate::{

@@ -62,8 +62,8 @@ pub struct PlacedLamp {
 pub struct World {
     configuration: Configuration,
     fixed: Arc<Body>,
-    /// The objects in `fixed`, with their meshes, in order of their numbers.
-    fixed_objects: Arc<[(usize, Arc<Mesh>)]>,
+    /// The objects in `fixed`, with their meshes and where they stand, in order of their numbers.
+    fixed_objects: Arc<[(usize, Arc<Mesh>, Motion)]>,
     /// All others.
     crowd: Crowd,
     /// By number, also those that are gone.
@@ -113,7 +113,10 @@ impl World {
         let world = World {
             configuration: configuration.clone(),
             fixed: fixed_body(configuration, &fixed, reach, preset),
-            fixed_objects: fixed.iter().map(|id| (*id, configuration.object(*id).mesh.clone())).collect(),
+            fixed_objects: fixed
+                .iter()
+                .map(|id| (*id, configuration.object(*id).mesh.clone(), configuration.object_motion(*id)))
+                .collect(),
             crowd: Crowd::default(),
             lamps: Vec::new(),
             choice: Arc::new(LampChoice::new(configuration)),
@@ -126,13 +129,16 @@ impl World {
     /// The world of another configuration of the same scene; only what changed is built anew.
     pub fn moved_to(&self, configuration: &Configuration) -> World {
         let mut world = World { configuration: configuration.clone(), ..self.clone() };
-        let stands =
-            |(id, mesh): &(usize, Arc<Mesh>)| configuration.has_object(*id) && Arc::ptr_eq(mesh, &configuration.object(*id).mesh);
+        let stands = |(id, mesh, motion): &(usize, Arc<Mesh>, Motion)| {
+            configuration.has_object(*id)
+                && Arc::ptr_eq(mesh, &configuration.object(*id).mesh)
+                && configuration.object_motion(*id) == *motion
+        };
         if !self.fixed_objects.iter().all(stands) {
             // Something fixed is gone: what is fixed now, also what was added since, makes a new tree.
             return World::new(configuration, self.preset);
         }
-        let is_fixed = |id: usize| self.fixed_objects.binary_search_by_key(&id, |(fixed, _)| *fixed).is_ok();
+        let is_fixed = |id: usize| self.fixed_objects.binary_search_by_key(&id, |(fixed, ..)| *fixed).is_ok();
         let movers = configuration.objects().filter(|(id, _)| !is_fixed(*id));
         let placed = movers.map(|(id, object)| {
             let motion = configuration.object_motion(id);
@@ -163,11 +169,10 @@ impl World {
     /// Whether object `id` is there in both worlds, with the same triangles in the same place.
     pub fn same_place(&self, other: &World, id: usize) -> bool {
         let [a, b] = [self, other].map(|world| &world.configuration);
-        let (fixed, is_fixed) = (self.crowd.find(id).is_none(), other.crowd.find(id).is_none());
         a.has_object(id)
             && b.has_object(id)
             && Arc::ptr_eq(&a.object(id).mesh, &b.object(id).mesh)
-            && ((fixed && is_fixed) || self.motion(id) == other.motion(id))
+            && self.motion(id) == other.motion(id)
     }
 
     /// From this world to `new`.

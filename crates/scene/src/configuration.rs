@@ -6,6 +6,7 @@
 use crate::{
     Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError,
     format::{MaterialEntry, SceneFile},
+    lamp_rotation,
     scene::same,
     unknown,
 };
@@ -48,7 +49,11 @@ fn slots_equal<T: PartialEq>(a: &[Slot<T>], b: &[Slot<T>]) -> bool {
 impl PartialEq for State {
     /// What is removed does not count.
     fn eq(&self, other: &Self) -> bool {
-        slots_equal(&self.objects, &other.objects) && slots_equal(&self.lamps, &other.lamps)
+        let materials = |(a, b): ((&String, &Arc<Material>), (&String, &Arc<Material>))| a.0 == b.0 && same(a.1, b.1);
+        slots_equal(&self.objects, &other.objects)
+            && slots_equal(&self.lamps, &other.lamps)
+            && self.materials.len() == other.materials.len()
+            && self.materials.iter().zip(&other.materials).all(materials)
     }
 }
 
@@ -171,11 +176,15 @@ impl Configuration {
     /// How far the scene reaches, metres: what the rounding of rays is measured against. From what never moves, as the scene file states
     /// it (without anything fixed, from the meshes themselves), so that a path depends on no object's history.
     pub fn reach(&self) -> f64 {
-        self.scene.file.reach.unwrap_or_else(|| {
-            let initial = Configuration::initial(&self.scene);
-            let fixed = initial.farthest(|object| !object.dynamic, |id| initial.object_motion(id));
-            if fixed > 0.0 { fixed } else { initial.farthest(|_| true, |_| Pose::default().motion()) }
-        })
+        self.scene.file.reach.unwrap_or_else(|| Configuration::initial(&self.scene).extent())
+    }
+
+    /// What [`reach`](Self::reach) would be if this were a scene file.
+    fn extent(&self) -> f64 {
+        let fixed = self.farthest(|object| !object.dynamic, |id| self.object_motion(id));
+        let any = || self.farthest(|_| true, |_| Pose::default().motion());
+        // An empty scene may be furnished yet: a metre.
+        [fixed].into_iter().chain(std::iter::once_with(any)).find(|metres| *metres > 0.0).unwrap_or(1.0)
     }
 
     /// The largest coordinate of some objects.
@@ -222,7 +231,7 @@ impl Configuration {
         lamps.sort_by(|a, b| a.1.name.cmp(&b.1.name));
         for (id, lamp) in lamps {
             let motion = self.lamp_motion(id);
-            numbers(&motion.rotation.to_cols_array());
+            numbers(&lamp_rotation(self.scene.up, &motion).to_cols_array());
             numbers(&motion.translation.to_array());
             numbers(&lamp.rated.to_array());
             numbers(&[f64::from(u8::from(lamp.direct == Direct::Photons))]);
@@ -244,8 +253,7 @@ impl Configuration {
     /// The scene file that says this state.
     pub fn to_file(&self) -> SceneFile {
         let mut file = self.scene.file.clone();
-        let fixed = |c: &Configuration| c.objects().filter(|(_, o)| !o.dynamic).map(|(id, _)| id).collect::<Vec<_>>();
-        if fixed(self) != fixed(&Configuration::initial(&self.scene)) {
+        if self.reach() != self.extent() {
             file.reach = Some(self.reach());
         }
         file.objects = self
@@ -268,7 +276,9 @@ impl Configuration {
             .collect();
         for (name, material) in &self.state.materials {
             let before = self.scene.materials.get(name);
-            if before.is_none_or(|m| m.reflectance != material.reflectance) {
+            let painted = || self.objects().any(|(_, object)| object.entry.material.as_ref() == Some(name));
+            let known = file.materials.contains_key(name);
+            if before.is_none_or(|m| m.reflectance != material.reflectance) || (!known && painted()) {
                 let reflectance = material.reflectance.as_dvec3();
                 file.materials.insert(name.clone(), MaterialEntry { reflectance, texture: material.texture_path.clone() });
             }

@@ -4,7 +4,7 @@ use crate::{
     Configuration, FARTHEST, Lamp, Material, Object, SceneError, Warning,
     configuration::{Slot, State},
     format::{LampEntry, ObjectEntry, relocate},
-    load::Loader,
+    load::{Loader, MOST_CELLS, printable},
     unknown, within_reach,
 };
 use glam::DVec3;
@@ -149,7 +149,12 @@ impl Edit {
             return Err(SceneError::Edit("a drag needs a positive step and seconds not below 0".into()));
         }
         let from = configuration.object(configuration.object_id(object)?).pose.position;
-        let count = ((from.distance(*to) / step) - 1e-9).ceil().max(1.0) as u32;
+        let count = ((from.distance(*to) / step) - 1e-9).ceil().max(1.0);
+        if count > MOST_STEPS {
+            let what = format!("a drag of {count:e} steps is more than {MOST_STEPS:e}; make its step longer");
+            return Err(SceneError::Edit(what));
+        }
+        let count = count as u32;
         Ok((1..=count)
             .map(|k| {
                 let share = f64::from(k) / f64::from(count);
@@ -260,6 +265,7 @@ impl Configuration {
     ) -> Result<T, SceneError> {
         let scene = self.scene();
         let mut loader = Loader::new(&scene.path);
+        loader.own = scene.file.materials.keys().cloned().collect();
         loader.materials = state.materials.clone();
         let present = state.objects.iter().enumerate().filter(|(_, slot)| slot.present);
         let index = present.map(|(id, slot)| (slot.thing.name.clone(), id)).collect();
@@ -268,6 +274,16 @@ impl Configuration {
         state.materials = loader.materials;
         Ok(thing)
     }
+}
+
+/// Steps of a drag: at 25 a second, some seven minutes.
+const MOST_STEPS: f64 = 10_000.0;
+
+fn new_name(kind: &str, name: &str) -> Result<(), SceneError> {
+    if printable(name) {
+        return Ok(());
+    }
+    Err(SceneError::Edit(format!("the name {name:?} of a new {kind}: names must be printable and not empty")))
 }
 
 impl State {
@@ -311,6 +327,13 @@ impl State {
         if self.object_id(&object.name).is_ok() {
             return Err(SceneError::Edit(format!("there is an object '{}' already; give the new one another name", object.name)));
         }
+        new_name("object", &object.name)?;
+        let present = self.objects.iter().filter(|slot| slot.present).map(|slot| &*slot.thing);
+        let cells: u64 = present.chain([&object]).map(|o| u64::from(o.lattice.cells())).sum();
+        if cells > MOST_CELLS {
+            let what = format!("object '{}': with it there would be {cells} mesh elements, more than {MOST_CELLS}", object.name);
+            return Err(SceneError::Edit(what));
+        }
         object.dynamic |= object.carrier.is_some_and(|id| self.objects[id].thing.dynamic);
         let place = self.objects.iter_mut().find(|s| !s.present && s.thing.name == object.name && s.thing.mesh == object.mesh);
         match place {
@@ -328,6 +351,7 @@ impl State {
         if self.lamp_id(&lamp.name).is_ok() {
             return Err(SceneError::Edit(format!("there is a lamp '{}' already; give the new one another name", lamp.name)));
         }
+        new_name("lamp", &lamp.name)?;
         let new = Slot { thing: Arc::new(lamp), present: true };
         match self.lamps.iter_mut().find(|s| !s.present && s.thing.name == new.thing.name) {
             Some(slot) => *slot = new,

@@ -151,7 +151,8 @@ fn ron_options() -> ron::Options {
 pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, SceneError> {
     let bytes = std::fs::read(path).map_err(|e| SceneError::read(path, e))?;
     let text = String::from_utf8(bytes).map_err(|_| SceneError::content(path, "not a text file in UTF-8"))?;
-    ron_options().from_str(&text).map_err(|e| {
+    let text = text.trim_start_matches('\u{feff}');
+    ron_options().from_str(text).map_err(|e| {
         let place = format!("{}:{}", e.span.start.line, e.span.start.col);
         SceneError::line(path, place, e.code.to_string().replace('\n', " "))
     })

@@ -9,7 +9,7 @@ use crate::{
 };
 use glam::DVec3;
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -18,7 +18,7 @@ use std::{
 pub(crate) type Index = BTreeMap<String, usize>;
 
 /// A page of buckets holds 32 bytes for each; more would not fit a workstation's memory with a few lamps.
-const MOST_CELLS: u64 = 50_000_000;
+pub(crate) const MOST_CELLS: u64 = 50_000_000;
 
 /// A mesh and its mesh elements.
 type CutMesh = (Arc<Mesh>, Arc<Lattice>);
@@ -30,6 +30,8 @@ pub(crate) struct Loader<'a> {
     models: BTreeMap<PathBuf, Arc<ObjFile>>,
     /// By file and part.
     meshes: BTreeMap<(PathBuf, Option<String>), CutMesh>,
+    /// Names of the materials that the scene file defines.
+    pub own: BTreeSet<String>,
     /// Materials in use, by name.
     pub materials: BTreeMap<String, Arc<Material>>,
     pub warnings: Vec<Warning>,
@@ -40,7 +42,7 @@ impl<'a> Loader<'a> {
     pub fn new(path: &'a Path) -> Loader<'a> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let (models, meshes, materials) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        Loader { path, folder, models, meshes, materials, warnings: Vec::new() }
+        Loader { path, folder, models, meshes, own: BTreeSet::new(), materials, warnings: Vec::new() }
     }
 
     fn fault(&self, what: impl ToString) -> SceneError {
@@ -69,6 +71,7 @@ impl<'a> Loader<'a> {
         self.unique("object", file.objects.iter().map(|o| &o.name))?;
         self.unique("lamp", file.lamps.iter().map(|l| &l.name))?;
         self.unique("camera", file.cameras.iter().map(|c| &c.name))?;
+        self.own = file.materials.keys().cloned().collect();
         for (name, entry) in &file.materials {
             let material = self.material(name, entry)?;
             self.materials.insert(name.clone(), Arc::new(material));
@@ -110,8 +113,8 @@ impl<'a> Loader<'a> {
     fn unique<'n>(&self, kind: &str, names: impl Iterator<Item = &'n String>) -> Result<(), SceneError> {
         let mut seen = std::collections::BTreeSet::new();
         for name in names {
-            if name.is_empty() || name.chars().any(char::is_control) {
-                return Err(self.fault(format!("a {kind} has the name {name:?}; names are printable and not empty")));
+            if !printable(name) {
+                return Err(self.fault(format!("the name {name:?} of a {kind}: names must be printable and not empty")));
             }
             if !seen.insert(name) {
                 return Err(self.fault(format!("two {kind}s are called '{name}'; give one another name")));
@@ -155,8 +158,11 @@ impl<'a> Loader<'a> {
             }
             None => mesh.materials.clone(),
         };
-        for name in &names {
-            self.material_of_mesh(name, &what, &model)?;
+        let mut names = names;
+        if entry.material.is_none() {
+            for name in &mut names {
+                *name = self.material_of_mesh(name, &what, &entry.mesh, &model)?;
+            }
         }
         let textured = names.iter().any(|n| self.materials[n].texture.is_some());
         if textured && mesh.uvs.is_empty() {
@@ -246,10 +252,11 @@ impl<'a> Loader<'a> {
         Ok(made)
     }
 
-    /// The scene's own material of that name, or the mesh's, or grey.
-    fn material_of_mesh(&mut self, name: &str, what: &str, model: &ObjFile) -> Result<(), SceneError> {
-        if self.materials.contains_key(name) {
-            return Ok(());
+    /// The name under which the scene has a mesh's material: the scene's own of that name, or the mesh's, or grey. Where another mesh's
+    /// MTL file means something else by the name, the mesh's file is added to it.
+    fn material_of_mesh(&mut self, name: &str, what: &str, mesh: &str, model: &ObjFile) -> Result<String, SceneError> {
+        if self.own.contains(name) {
+            return Ok(name.to_owned());
         }
         let material = match model.materials.iter().find(|m| m.name == name) {
             Some(MtlMaterial { reflectance, texture, .. }) => Material {
@@ -258,13 +265,27 @@ impl<'a> Loader<'a> {
                 texture: texture.as_ref().map(|t| Texture::read(t).map(Arc::new)).transpose()?,
                 texture_path: texture.as_ref().map(|t| t.strip_prefix(&self.folder).unwrap_or(t).to_string_lossy().into_owned()),
             },
+            None if self.materials.contains_key(name) => return Ok(name.to_owned()),
             None => {
                 self.warn(format!("{what}: its material '{name}' is defined nowhere: it is grey, reflectance 0.5"));
                 Material { name: name.to_owned(), reflectance: glam::Vec3::splat(0.5), texture: None, texture_path: None }
             }
         };
-        self.materials.insert(name.to_owned(), Arc::new(material));
-        Ok(())
+        let qualified = format!("{name} ({mesh})");
+        for key in [name.to_owned(), qualified.clone()] {
+            match self.materials.get(&key) {
+                Some(known) if **known == (Material { name: key.clone(), ..material.clone() }) => return Ok(key),
+                Some(_) => {}
+                None => {
+                    if key == qualified {
+                        self.warn(format!("{what}: another mesh has a material '{name}' too: this one is called '{key}'"));
+                    }
+                    self.materials.insert(key.clone(), Arc::new(Material { name: key.clone(), ..material }));
+                    return Ok(key);
+                }
+            }
+        }
+        Ok(qualified)
     }
 
     /// A lamp; `index` numbers the objects that can carry it.
@@ -310,4 +331,9 @@ impl<'a> Loader<'a> {
         }
         Ok(Arc::new(photometry))
     }
+}
+
+/// What a name must be.
+pub(crate) fn printable(name: &str) -> bool {
+    !name.is_empty() && !name.chars().any(char::is_control)
 }

@@ -94,3 +94,17 @@ fn refused_imports_copy_nothing() {
     model(&desk);
     desk.refuses("import models/crate.obj --out new.ron --movable crat", &["did you mean 'crate'?"]);
 }
+
+/// Regression: the first mesh's material won for both.
+#[test]
+fn materials_of_the_same_name_in_two_models_stay_two() {
+    let desk = Desk::new();
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gold\nf 1 2 3\n";
+    for (name, colour) in [("a", "0.8 0.6 0.2"), ("b", "0.1 0.1 0.1")] {
+        desk.write(&format!("{name}.mtl"), format!("newmtl gold\nKd {colour}\n"));
+        desk.write(&format!("{name}.obj"), format!("mtllib {name}.mtl\no {name}\n{triangle}"));
+    }
+    desk.done("import a.obj b.obj --out both.ron --quiet");
+    let scene = desk.read("both.ron");
+    assert!(scene.contains("0.8") && scene.contains("0.1"), "{scene}");
+}
