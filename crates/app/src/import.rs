@@ -145,11 +145,13 @@ impl Import {
     fn model(&mut self, path: &Path, arguments: &Arguments) -> Result<(), Failure> {
         let (model, warnings) = read_obj(path, Strictness::Import)?;
         arguments.common.warn(&warnings);
+        let mut renamed = BTreeMap::new();
         for material in &model.materials {
-            self.material(path, material, arguments)?;
+            renamed.insert(material.name.clone(), self.material(path, material, arguments)?);
         }
         for mut part in model.parts {
-            for name in &part.mesh.materials {
+            for name in &mut part.mesh.materials {
+                *name = renamed.get(name).unwrap_or(name).clone();
                 let grey = || MaterialEntry { reflectance: DVec3::splat(0.5), texture: None };
                 self.materials.entry(name.clone()).or_insert_with(grey);
             }
@@ -160,17 +162,20 @@ impl Import {
         Ok(())
     }
 
-    fn material(&mut self, path: &Path, material: &MtlMaterial, arguments: &Arguments) -> Result<(), Failure> {
+    /// Takes over a material; returns its name, numbered if another model means something else by it.
+    fn material(&mut self, path: &Path, material: &MtlMaterial, arguments: &Arguments) -> Result<String, Failure> {
         if material.emission.iter().any(|e| *e > 0.0) && !arguments.common.quiet {
             let what = "it glows (Ke), but lamps are points: it becomes a plain surface; give --lamp x,y,z,cd for its light";
             eprintln!("warning: {}: material '{}': {what}", path.display(), material.name);
         }
-        if !self.materials.contains_key(&material.name) {
-            let folder = arguments.out.parent().unwrap_or(Path::new(""));
-            let texture = material.texture.as_ref().map(|t| self.texture(t, folder)).transpose()?;
-            self.materials.insert(material.name.clone(), MaterialEntry { reflectance: material.reflectance.into(), texture });
-        }
-        Ok(())
+        let folder = arguments.out.parent().unwrap_or(Path::new(""));
+        let texture = material.texture.as_ref().map(|t| self.texture(t, folder)).transpose()?;
+        let entry = MaterialEntry { reflectance: material.reflectance.into(), texture };
+        let numbered = (2..).map(|k| format!("{} {k}", material.name));
+        let fits = |name: &String| self.materials.get(name).is_none_or(|known| *known == entry);
+        let name = std::iter::once(material.name.clone()).chain(numbered).find(fits).unwrap_or_default();
+        self.materials.insert(name.clone(), entry);
+        Ok(name)
     }
 
     /// Keeps an image for `folder`, and returns a name that no other image has, neither here nor there already.
