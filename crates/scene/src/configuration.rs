@@ -49,11 +49,10 @@ fn slots_equal<T: PartialEq>(a: &[Slot<T>], b: &[Slot<T>]) -> bool {
 impl PartialEq for State {
     /// What is removed does not count.
     fn eq(&self, other: &Self) -> bool {
-        let materials = |(a, b): ((&String, &Arc<Material>), (&String, &Arc<Material>))| a.0 == b.0 && same(a.1, b.1);
         slots_equal(&self.objects, &other.objects)
             && slots_equal(&self.lamps, &other.lamps)
             && self.materials.len() == other.materials.len()
-            && self.materials.iter().zip(&other.materials).all(materials)
+            && self.materials.iter().zip(&other.materials).all(|(a, b)| a.0 == b.0 && same(a.1, b.1))
     }
 }
 
