@@ -240,7 +240,7 @@ fn what_an_edit_names_or_asks_is_checked() {
     let scene = own_scene("cornell");
     let home = Configuration::initial(&scene);
     let refused = |edit: Edit, told: &str| {
-        let error = home.apply(&edit).map(|_| ()).or_else(|e| Err(e.to_string())).unwrap_err();
+        let error = home.apply(&edit).map(|_| ()).unwrap_err().to_string();
         assert!(error.contains(told), "{error}");
     };
     let copy = |name: &str| Edit::Duplicate { object: "short box".into(), name: name.into(), to: DVec3::ONE };
