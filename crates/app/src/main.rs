@@ -95,7 +95,7 @@ impl Common {
 /// How large a pool is and how its sequence is scrambled.
 #[derive(Args, Clone, Copy)]
 struct PoolArguments {
-    /// Photons in the pool. More: less noise (half for four times as many), longer work
+    /// Photons in the pool, 1,152,000 by default. More: less noise (half for four times as many), longer work
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     photons: Option<u64>,
     /// Groups that the pool is split into (the seed's Ng), best a product of powers of 2, 3, 5, 7; by default 2^3 3^2 for one lamp
