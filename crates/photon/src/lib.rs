@@ -2,9 +2,10 @@
 //!
 //! Follow one photon: its index becomes random numbers ([`halton`]), which choose a lamp ([`emission`]) and, at every hit
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
-//! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]). A [`pool`] of photons is shot and, after edits,
-//! repaired group by group ([`solution`]: Algorithm 1 of Dmitriev et al. 2002), in the background ([`solver`]) or as an
-//! experiment, order against order ([`recovery`], [`drag`], seen by a camera: [`visible`]).
+//! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
+//! ([`mod@vertex_irradiance`]). A [`pool`] of photons is shot and, after edits, repaired group by group ([`solution`]: Algorithm 1
+//! of Dmitriev et al. 2002), in the background ([`solver`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
+//! by a camera: [`visible`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
 //!
@@ -39,5 +40,6 @@ pub mod saved;
 pub mod solution;
 pub mod solver;
 pub mod triangle;
+pub mod vertex_irradiance;
 pub mod visible;
 pub mod world;

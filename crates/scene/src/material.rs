@@ -74,6 +74,16 @@ impl Texture {
         self.texels.iter().for_each(|texel| take(&texel.map(f64::from)));
     }
 
+    /// Width and height, texels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// All texels in linear light, row by row from the top.
+    pub fn linear(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.texels.iter().map(|texel| Vec3::from_array(texel.map(|b| self.linear[b as usize])))
+    }
+
     /// Bilinear, in linear light; (0, 0) is the lower left corner of the image.
     pub fn sample(&self, [u, v]: [f32; 2]) -> Vec3 {
         let x = u.rem_euclid(1.0) * self.width as f32 - 0.5;

@@ -1,0 +1,174 @@
+//! The graphics device: a driver found without a window, what it is called, and what it can do.
+//!
+//! One tier: what WebGPU guarantees, a depth buffer with stencil, and timestamps where there are any. Lavapipe, Mesa's software
+//! Vulkan, has all of it, so frames can be drawn where there is no graphics card.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Why nothing can be drawn. `Display` is one line for the user.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RasterError {
+    /// No driver.
+    #[error(
+        "no graphics driver was found; install one, for instance Mesa's software Vulkan: apt-get install mesa-vulkan-drivers ({0})"
+    )]
+    NoDriver(String),
+    /// The driver refuses.
+    #[error("{driver} cannot be used: {why}")]
+    Refused {
+        /// Its name.
+        driver: String,
+        /// Its reason.
+        why: String,
+    },
+    /// The device went away while it drew.
+    #[error("the graphics device was lost: {0}")]
+    Lost(String),
+    /// A frame that cannot be.
+    #[error("a frame of {width}x{height} pixels cannot be drawn: each side must be 1 to {most}{}", if *grid > 1 { format!(" (with {grid}x{grid} samples a pixel)") } else { String::new() })]
+    Size {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Samples along each side of a pixel.
+        grid: u32,
+        /// Pixels, the driver's limit.
+        most: u32,
+    },
+    /// Too much for the device's memory.
+    #[error("{what} needs {bytes} bytes, more than the {most} that {driver} can hold in one buffer")]
+    TooLarge {
+        /// What is too large.
+        what: &'static str,
+        /// Bytes.
+        bytes: u64,
+        /// Bytes.
+        most: u64,
+        /// The driver's name.
+        driver: String,
+    },
+}
+
+/// A graphics device and its queue.
+#[derive(Debug)]
+pub struct Device {
+    /// wgpu's device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Driver and backend, for people: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan".
+    pub name: String,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl Device {
+    /// A device that draws without a window. `WGPU_BACKEND` (`vulkan`, `gl`) and `WGPU_ADAPTER_NAME` choose among several.
+    pub fn headless() -> Result<Device, RasterError> {
+        pollster::block_on(Device::find())
+    }
+
+    async fn find() -> Result<Device, RasterError> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::from_env().unwrap_or(descriptor.backends);
+        let backends = descriptor.backends;
+        let instance = wgpu::Instance::new(descriptor);
+        let wanted = std::env::var("WGPU_ADAPTER_NAME").ok().map(|name| name.to_lowercase());
+        let mut adapters = instance.enumerate_adapters(backends).await;
+        adapters.retain(|a| wanted.as_ref().is_none_or(|name| a.get_info().name.to_lowercase().contains(name)));
+        // A graphics card before software, Vulkan before OpenGL; otherwise in the driver loader's order.
+        let rank = |adapter: &wgpu::Adapter| {
+            let info = adapter.get_info();
+            let kind = match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => 0,
+                wgpu::DeviceType::IntegratedGpu => 1,
+                wgpu::DeviceType::VirtualGpu => 2,
+                _ => 3,
+            };
+            (kind, u8::from(info.backend != wgpu::Backend::Vulkan))
+        };
+        adapters.sort_by_key(rank);
+        let Some(adapter) = adapters.first() else {
+            let why = match wanted {
+                Some(name) => format!("none of the drivers is called '{name}', as WGPU_ADAPTER_NAME asks"),
+                None => format!("tried {backends:?}").to_lowercase(),
+            };
+            return Err(RasterError::NoDriver(why));
+        };
+        let info = adapter.get_info();
+        let name = format!("{}, {:?}", info.name, info.backend);
+        let stencil = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+        let refused = |why: String| RasterError::Refused { driver: name.clone(), why };
+        if !adapter.features().contains(stencil) {
+            return Err(refused("it has no 32-bit depth buffer with a stencil".into()));
+        }
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("lightmend"),
+                required_features: stencil | (adapter.features() & wgpu::Features::TIMESTAMP_QUERY),
+                required_limits: adapter.limits(),
+                ..Default::default()
+            })
+            .await
+            .map_err(|e| refused(e.to_string()))?;
+        let lost = Arc::new(Mutex::new(None));
+        {
+            let lost = lost.clone();
+            device.set_device_lost_callback(move |reason, message| {
+                let why = if message.is_empty() { format!("{reason:?}") } else { message };
+                *lost.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+            });
+        }
+        {
+            // What goes wrong between two looks is kept and told by the next one, in one line.
+            let lost = lost.clone();
+            device.on_uncaptured_error(Arc::new(move |error| {
+                let line = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+                lost.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(line);
+            }));
+        }
+        Ok(Device { device, queue, name, lost })
+    }
+
+    /// Whether the device still draws.
+    pub fn check(&self) -> Result<(), RasterError> {
+        match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(why) => Err(RasterError::Lost(why.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// Waits for all that was submitted.
+    pub fn wait(&self) -> Result<(), RasterError> {
+        if let Err(e) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
+            self.check()?;
+            return Err(RasterError::Lost(e.to_string()));
+        }
+        self.check()
+    }
+
+    /// The largest side of a frame, pixels.
+    pub fn largest_side(&self) -> u32 {
+        self.device.limits().max_texture_dimension_2d
+    }
+
+    /// A buffer of at least `bytes`.
+    pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RasterError> {
+        let limits = self.device.limits();
+        let storage = usage.contains(wgpu::BufferUsages::STORAGE);
+        let most = if storage { limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) } else { limits.max_buffer_size };
+        if bytes > most {
+            return Err(RasterError::TooLarge { what, bytes, most, driver: self.name.clone() });
+        }
+        let size = bytes.max(256).next_multiple_of(256).min(most);
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        Ok(self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false }))
+    }
+
+    /// A buffer with this content.
+    pub fn filled(&self, what: &'static str, content: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RasterError> {
+        let buffer = self.buffer(what, content.len() as u64, usage)?;
+        self.queue.write_buffer(&buffer, 0, content);
+        Ok(buffer)
+    }
+}

@@ -1,0 +1,354 @@
+//! The flow of a frame: what stands where, its light, and the passes from depth to picture.
+
+use crate::{
+    camera::Camera,
+    composition::{Parts, Variant},
+    device::{Device, RasterError},
+    frame::{Frame, Lamps},
+    geometry::{Geometry, Indirect},
+    pipelines::{Pipelines, group},
+    shadow::{Draw, Volumes},
+    targets::{Targets, mapped, read},
+    timing::{Pass, Stopwatch, Times},
+    tone::{GpuTone, Look},
+};
+use lightmend_scene::{Configuration, Up, View};
+use std::{sync::Arc, time::Instant};
+use wgpu::{BindingResource, LoadOp, Operations, StoreOp};
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Samples along each side of a pixel: 1 is none too many, 2 and 4 smooth edges of objects and shadows, at 4 and 16 times the cost.
+    pub grid: u32,
+    /// What is added up.
+    pub parts: Parts,
+    /// How it becomes a picture.
+    pub look: Look,
+}
+
+/// A scene on a graphics device, seen by cameras.
+pub struct Renderer {
+    device: Arc<Device>,
+    pipelines: Pipelines,
+    geometry: Geometry,
+    lamps: Lamps,
+    volumes: Volumes,
+    targets: Option<Targets>,
+    frame: wgpu::Buffer,
+    tone: wgpu::Buffer,
+    stopwatch: Stopwatch,
+    up: Up,
+    reach: f64,
+}
+
+impl Renderer {
+    /// Nothing to see yet.
+    pub fn new(device: Arc<Device>) -> Result<Renderer, RasterError> {
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let renderer = Renderer {
+            pipelines: Pipelines::new(&device),
+            geometry: Geometry::new(&device)?,
+            lamps: Lamps::new(&device)?,
+            volumes: Volumes::new(&device)?,
+            targets: None,
+            frame: device.buffer("frame", size_of::<Frame>() as u64, uniform)?,
+            tone: device.buffer("tone", size_of::<GpuTone>() as u64, uniform)?,
+            stopwatch: Stopwatch::new(&device),
+            up: Up::Z,
+            reach: 1.0,
+            device,
+        };
+        renderer.device.check()?;
+        Ok(renderer)
+    }
+
+    /// The device that draws.
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// From now on this is what stands where and which lamps shine. Only what differs from before costs anything.
+    pub fn show(&mut self, configuration: &Configuration) -> Result<(), RasterError> {
+        self.up = configuration.scene().up;
+        self.reach = configuration.reach();
+        self.geometry.show(&self.device, configuration)?;
+        self.lamps.show(&self.device, configuration)?;
+        self.device.check()
+    }
+
+    /// From now on this is the indirect light.
+    pub fn light(&mut self, indirect: &Indirect) -> Result<(), RasterError> {
+        self.geometry.light(&self.device, indirect)?;
+        self.device.check()
+    }
+
+    /// What could not be drawn as the scene says, since the last call; each is told once.
+    pub fn warnings(&mut self) -> Vec<String> {
+        let mut new = std::mem::take(&mut self.geometry.warnings);
+        new.append(&mut self.lamps.warnings);
+        new
+    }
+
+    /// The camera's aspect and near plane.
+    fn camera(&self, view: &View, settings: &Settings) -> Camera {
+        Camera::new(view, self.up, f64::from(settings.width) / f64::from(settings.height), self.reach)
+    }
+
+    /// The closed object that the eye is inside of, if any: the camera then sees its inside, which no light reaches.
+    pub fn inside(&self, view: &View) -> Option<&str> {
+        self.geometry.things.iter().find(|thing| !thing.hidden && thing.caster.holds(view.eye)).map(|thing| thing.name.as_str())
+    }
+
+    /// Names of the channels of the masks: the lamps that are drawn, in order, as numbers in the configuration.
+    pub fn drawn_lamps(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lamps.drawn.iter().map(|lamp| lamp.id)
+    }
+
+    /// Draws what `view` sees. The picture stays on the device until the next one.
+    pub fn draw(&mut self, view: &View, settings: &Settings) -> Result<(), RasterError> {
+        let start = Instant::now();
+        let size = [settings.width, settings.height];
+        let lamps = self.lamps.drawn.len();
+        if !self.targets.as_ref().is_some_and(|targets| targets.fit(size, settings.grid, lamps)) {
+            // The old ones first: two sets of a large picture may not fit.
+            self.targets = None;
+            self.targets = Some(Targets::new(&self.device, size, settings.grid, lamps)?);
+        }
+        let camera = self.camera(view, settings);
+        let Some(targets) = &self.targets else { return Ok(()) };
+        let samples = targets.samples();
+        let frame = Frame::new(&camera, samples, lamps as u32, settings.parts.bits());
+        self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
+        let tone = GpuTone::new(settings.look, size, settings.grid);
+        self.device.queue.write_buffer(&self.tone, 0, bytemuck::bytes_of(&tone));
+        let draws = if settings.parts.direct() {
+            self.volumes.draws(&self.device, &self.geometry, &self.lamps.drawn, &camera, samples)?
+        } else {
+            Vec::new()
+        };
+        self.stopwatch.prepared(start.elapsed());
+
+        let variant = Variant { textured: self.geometry.textured(), goniometric: self.lamps.goniometric() };
+        let composition = self.pipelines.composition(&self.device, variant);
+        let device = &self.device;
+        let camera_and_lamps = group(
+            device,
+            &self.pipelines.frame,
+            &[self.frame.as_entire_binding(), self.lamps.buffer.as_entire_binding()],
+        );
+        let view_of = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let masks = targets.masks.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let (depth, ids, light, picture) =
+            (view_of(&targets.depth), view_of(&targets.ids), view_of(&targets.light), view_of(&targets.picture));
+        let shading = group(
+            device,
+            &self.pipelines.shading,
+            &[
+                BindingResource::TextureView(&ids),
+                BindingResource::TextureView(&masks),
+                self.geometry.triangles.as_entire_binding(),
+                self.geometry.irradiance.as_entire_binding(),
+                self.geometry.materials.as_entire_binding(),
+                self.lamps.cube_maps.as_entire_binding(),
+                self.geometry.uvs.as_entire_binding(),
+                self.geometry.texture_entries.as_entire_binding(),
+                self.geometry.texels.as_entire_binding(),
+            ],
+        );
+        let toning = group(
+            device,
+            &self.pipelines.toning,
+            &[self.tone.as_entire_binding(), BindingResource::TextureView(&light), targets.tiles.as_entire_binding()],
+        );
+        let developing = group(
+            device,
+            &self.pipelines.developing,
+            &[self.tone.as_entire_binding(), BindingResource::TextureView(&light)],
+        );
+        let measured = group(device, &self.pipelines.measured, &[targets.tiles.as_entire_binding()]);
+
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = begin(
+                &mut encoder,
+                "prepass",
+                &ids,
+                LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &depth,
+                    depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
+                    stencil_ops: Some(Operations { load: LoadOp::Clear(0), store: StoreOp::Discard }),
+                }),
+                self.stopwatch.render(Pass::Prepass),
+            );
+            pass.set_pipeline(&self.pipelines.prepass);
+            pass.set_bind_group(0, &camera_and_lamps, &[]);
+            pass.set_vertex_buffer(0, self.geometry.prepass.slice(..));
+            for vertices in seen_vertices(&self.geometry, &camera) {
+                pass.draw(vertices, 0..1);
+            }
+        }
+        for (layer, group) in (0u32..).zip(draws.chunks(4)) {
+            let mask = targets.masks.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer: layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            });
+            let mut pass = begin(
+                &mut encoder,
+                "shadow volumes",
+                &mask,
+                LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &depth,
+                    depth_ops: None,
+                    stencil_ops: Some(Operations { load: LoadOp::Clear(0), store: StoreOp::Discard }),
+                }),
+                self.stopwatch.render_of(Pass::Shadows, layer as usize, draws.len().div_ceil(4)),
+            );
+            pass.set_bind_group(0, &camera_and_lamps, &[]);
+            pass.set_vertex_buffer(0, self.geometry.volume.slice(..));
+            pass.set_index_buffer(self.volumes.arena.slice(..), wgpu::IndexFormat::Uint32);
+            for (channel, draws) in group.iter().enumerate() {
+                let lamp = 4 * layer + channel as u32;
+                for Draw { count, indices, scissor: [left, top, width, height] } in draws {
+                    pass.set_pipeline(self.pipelines.volume(*count));
+                    pass.set_scissor_rect(*left, *top, *width, *height);
+                    pass.draw_indexed(indices.clone(), 0, lamp..lamp + 1);
+                }
+                pass.set_pipeline(self.pipelines.mask(channel));
+                pass.set_scissor_rect(0, 0, samples[0], samples[1]);
+                pass.draw(0..3, 0..1);
+            }
+        }
+        {
+            let load = LoadOp::Clear(wgpu::Color::TRANSPARENT);
+            let mut pass = begin(&mut encoder, "composition", &light, load, None, self.stopwatch.render(Pass::Composition));
+            // Without triangles there is nothing that pixels could read.
+            if !self.geometry.things.is_empty() {
+                pass.set_pipeline(&composition);
+                pass.set_bind_group(0, &camera_and_lamps, &[]);
+                pass.set_bind_group(1, &shading, &[]);
+                pass.draw(0..3, 0..1);
+            }
+        }
+        if tone.measures() {
+            let tiles = samples.map(|s| s.div_ceil(16));
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("exposure"),
+                timestamp_writes: self.stopwatch.compute(Pass::Exposure),
+            });
+            pass.set_bind_group(0, &toning, &[]);
+            pass.set_pipeline(&self.pipelines.measure[0]);
+            pass.dispatch_workgroups(tiles[0], tiles[1], 1);
+            pass.set_pipeline(&self.pipelines.measure[1]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
+        {
+            let load = LoadOp::Clear(wgpu::Color::BLACK);
+            let mut pass = begin(&mut encoder, "tone", &picture, load, None, self.stopwatch.render(Pass::Tone));
+            pass.set_pipeline(&self.pipelines.develop);
+            pass.set_bind_group(0, &developing, &[]);
+            pass.set_bind_group(1, &measured, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        self.stopwatch.resolve(&mut encoder);
+        self.device.queue.submit([encoder.finish()]);
+        self.device.check()
+    }
+
+    /// Waits until the picture is done, and says how long its passes took.
+    pub fn finish(&mut self) -> Result<Times, RasterError> {
+        self.device.wait()?;
+        self.stopwatch.read(&self.device)
+    }
+
+    fn drawn(&self) -> Result<&Targets, RasterError> {
+        self.targets.as_ref().ok_or_else(|| RasterError::Lost("nothing was drawn yet".into()))
+    }
+
+    /// The picture: sRGB bytes, row by row from the top.
+    pub fn picture(&self) -> Result<Vec<[u8; 3]>, RasterError> {
+        let bytes = read(&self.device, &self.drawn()?.picture, 0)?;
+        Ok(bytes.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    }
+
+    /// The linear light of every sample (see [`Settings::grid`]), and 1 where something is seen; row by row from the top.
+    pub fn samples(&self) -> Result<Vec<[f32; 4]>, RasterError> {
+        let bytes = read(&self.device, &self.drawn()?.light, 0)?;
+        Ok(bytes.as_chunks::<16>().0.iter().map(|texel| bytemuck::pod_read_unaligned(texel)).collect())
+    }
+
+    /// For every sample, the object (by number) and its triangle that are seen.
+    pub fn seen(&self) -> Result<Vec<Option<(usize, usize)>>, RasterError> {
+        let bytes = read(&self.device, &self.drawn()?.ids, 0)?;
+        let ids = bytes.as_chunks::<4>().0.iter().map(|id| u32::from_le_bytes(*id));
+        Ok(ids.map(|id| (id > 0).then(|| self.geometry.source(id - 1))).collect())
+    }
+
+    /// For every sample, whether the `n`-th of the [`drawn_lamps`](Self::drawn_lamps) is in sight.
+    pub fn mask(&self, n: usize) -> Result<Vec<bool>, RasterError> {
+        let bytes = read(&self.device, &self.drawn()?.masks, (n / 4) as u32)?;
+        Ok(bytes.as_chunks::<4>().0.iter().map(|texel| texel[n % 4] > 0).collect())
+    }
+
+    /// The exposure that was measured for the picture, per cd/m².
+    pub fn exposure(&self) -> Result<f32, RasterError> {
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("exposure"),
+            size: 8,
+            usage,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&self.drawn()?.tiles, 0, &buffer, 0, 8);
+        self.device.queue.submit([encoder.finish()]);
+        let bytes = mapped(&self.device, &buffer)?;
+        Ok(bytemuck::pod_read_unaligned(&bytes[..4]))
+    }
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    target: &wgpu::TextureView,
+    load: LoadOp<wgpu::Color>,
+    depth: Option<wgpu::RenderPassDepthStencilAttachment>,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: Operations { load, store: StoreOp::Store },
+        })],
+        depth_stencil_attachment: depth,
+        timestamp_writes,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}
+
+/// Vertices of what the camera may see, in as few runs as there are gaps.
+fn seen_vertices(geometry: &Geometry, camera: &Camera) -> Vec<std::ops::Range<u32>> {
+    let mut runs: Vec<std::ops::Range<u32>> = Vec::new();
+    for thing in geometry.things.iter().filter(|thing| !thing.hidden && camera.may_see(&thing.caster.bounds)) {
+        match runs.last_mut() {
+            Some(run) if run.end == thing.vertices.start => run.end = thing.vertices.end,
+            _ => runs.push(thing.vertices.clone()),
+        }
+    }
+    runs
+}

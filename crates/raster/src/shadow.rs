@@ -1,0 +1,212 @@
+//! Shadow volumes into the stencil, four lamps to a mask (Dmitriev et al. 2002, §6.1.1). Twin of `shadow.wgsl`.
+//!
+//! For every lamp: sides of the volumes that the camera is outside of, counted in front of what is seen; whole volumes of those that
+//! it may be inside of, counted behind. What is then 0 in the stencil is lit; writing that to the lamp's channel sets the stencil back to 0
+//! for the next lamp. Volumes are kept until their caster or their lamp moves; what cannot fall on anything in the picture is not drawn, and
+//! nothing outside the part of the picture that it can fall on.
+
+use crate::{
+    bounds::{Bounds, Rectangle},
+    camera::Camera,
+    device::{Device, RasterError},
+    frame::DrawnLamp,
+    geometry::{Geometry, Thing},
+    volume::Whole,
+};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Indices in the arena.
+#[derive(Debug, Clone, Default)]
+struct Placed {
+    indices: Vec<u32>,
+    /// First index in the arena, once it is there.
+    at: Option<u32>,
+}
+
+/// What one lamp and one object make, as far as it was needed.
+#[derive(Debug, Clone, Default)]
+struct Volume {
+    /// Version of the object and place of the lamp that it is for.
+    of: Option<(u64, DVec3)>,
+    sides: Option<Placed>,
+    /// Shell, near ends towards the lamp, near ends away from it.
+    whole: Option<[Placed; 3]>,
+}
+
+impl Volume {
+    fn parts(&mut self) -> impl Iterator<Item = &mut Placed> {
+        self.sides.iter_mut().chain(self.whole.iter_mut().flatten())
+    }
+}
+
+/// Which pipeline draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Count {
+    /// Sides, in front of what is seen.
+    Before,
+    /// Fronts outwards, behind what is seen.
+    Behind,
+    /// Fronts inwards, behind what is seen.
+    BehindTurned,
+}
+
+/// A part of a volume to draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draw {
+    /// How.
+    pub count: Count,
+    /// Indices in the arena.
+    pub indices: Range<u32>,
+    /// Left, top, width, height, pixels.
+    pub scissor: [u32; 4],
+}
+
+/// All volumes, and the arena that holds their triangles.
+pub struct Volumes {
+    /// By lamp in the order of drawing, then by thing.
+    volumes: Vec<Vec<Volume>>,
+    /// Their triangles.
+    pub arena: wgpu::Buffer,
+    used: u32,
+}
+
+const INDEX: wgpu::BufferUsages = wgpu::BufferUsages::INDEX;
+
+/// What one caster adds to a lamp's stencil.
+struct Wanted {
+    thing: usize,
+    whole: bool,
+    scissor: [u32; 4],
+}
+
+impl Volumes {
+    /// None yet.
+    pub fn new(device: &Device) -> Result<Volumes, RasterError> {
+        Ok(Volumes { volumes: Vec::new(), arena: device.buffer("shadow volumes", 0, INDEX)?, used: 0 })
+    }
+
+    /// What is to be drawn, lamp by lamp, of what can fall on something in a picture of `size` pixels.
+    pub fn draws(
+        &mut self,
+        device: &Device,
+        geometry: &Geometry,
+        lamps: &[DrawnLamp],
+        camera: &Camera,
+        size: [u32; 2],
+    ) -> Result<Vec<Vec<Draw>>, RasterError> {
+        let things = &geometry.things;
+        let receivers: Vec<(Bounds, Rectangle)> = things
+            .iter()
+            .filter(|thing| !thing.hidden)
+            .filter_map(|thing| Some((thing.caster.bounds, thing.caster.bounds.in_picture(camera)?)))
+            .collect();
+        let work: Vec<(usize, usize)> = (0..lamps.len()).flat_map(|l| (0..things.len()).map(move |t| (l, t))).collect();
+        let wanted: Vec<Option<Wanted>> = work
+            .par_iter()
+            .map(|(lamp, thing)| wanted(&things[*thing], *thing, lamps[*lamp].position, &receivers, camera, size))
+            .collect();
+        self.volumes.resize_with(lamps.len(), Vec::new);
+        self.volumes.iter_mut().for_each(|row| row.resize_with(things.len(), Volume::default));
+        let rows = self.volumes.par_iter_mut().zip(lamps).zip(wanted.par_chunks(things.len().max(1)));
+        rows.for_each(|((row, lamp), wanted)| {
+            row.par_iter_mut().zip(wanted).for_each(|(volume, wanted)| {
+                if let Some(wanted) = wanted {
+                    volume.make(&things[wanted.thing], lamp.position, wanted.whole);
+                }
+            });
+        });
+        self.upload(device)?;
+        let draws = wanted.chunks(things.len().max(1)).zip(&self.volumes).map(|(wanted, row)| {
+            let mut draws = Vec::new();
+            for wanted in wanted.iter().flatten() {
+                let volume = &row[wanted.thing];
+                let mut draw = |count: Count, part: &Placed| {
+                    if let Some(at) = part.at.filter(|_| !part.indices.is_empty()) {
+                        draws.push(Draw { count, indices: at..at + part.indices.len() as u32, scissor: wanted.scissor });
+                    }
+                };
+                match (&volume.whole, &volume.sides) {
+                    (Some([shell, towards, away]), _) if wanted.whole => {
+                        draw(Count::Behind, shell);
+                        draw(Count::Behind, towards);
+                        draw(Count::BehindTurned, away);
+                    }
+                    (_, Some(sides)) => draw(Count::Before, sides),
+                    _ => {}
+                }
+            }
+            draws
+        });
+        Ok(draws.collect())
+    }
+
+    /// Writes what is new; makes room, and forgets what is old, when the arena is full.
+    fn upload(&mut self, device: &Device) -> Result<(), RasterError> {
+        let new = self.volumes.iter_mut().flatten().flat_map(Volume::parts).filter(|p| p.at.is_none());
+        let needed: u64 = new.map(|part| part.indices.len() as u64).sum();
+        if (u64::from(self.used) + needed) * 4 > self.arena.size() {
+            let all: u64 = self.volumes.iter_mut().flatten().flat_map(Volume::parts).map(|p| p.indices.len() as u64).sum();
+            if all * 8 > self.arena.size() {
+                self.arena = device.buffer("shadow volumes", all * 16, INDEX)?;
+            }
+            self.used = 0;
+            self.volumes.iter_mut().flatten().flat_map(Volume::parts).for_each(|part| part.at = None);
+        }
+        let mut new: Vec<u32> = Vec::new();
+        let first = self.used;
+        for part in self.volumes.iter_mut().flatten().flat_map(Volume::parts).filter(|p| p.at.is_none()) {
+            part.at = Some(first + new.len() as u32);
+            new.extend(&part.indices);
+        }
+        self.used += new.len() as u32;
+        device.queue.write_buffer(&self.arena, u64::from(first) * 4, bytemuck::cast_slice(&new));
+        Ok(())
+    }
+}
+
+impl Volume {
+    fn make(&mut self, thing: &Thing, lamp: DVec3, whole: bool) {
+        let of = Some((thing.version, lamp));
+        if self.of != of {
+            *self = Volume { of, ..Volume::default() };
+        }
+        let placed = |indices: Vec<u32>| Placed { indices, at: None };
+        if whole {
+            self.whole.get_or_insert_with(|| {
+                let Whole { shell, towards, away } = thing.caster.whole(lamp, thing.first_vertex);
+                [shell, towards, away].map(placed)
+            });
+        } else {
+            self.sides.get_or_insert_with(|| placed(thing.caster.sides(lamp, thing.first_vertex)));
+        }
+    }
+}
+
+/// Whether and how a thing's shadow of a lamp is to be drawn.
+fn wanted(
+    thing: &Thing,
+    number: usize,
+    lamp: DVec3,
+    receivers: &[(Bounds, Rectangle)],
+    camera: &Camera,
+    [width, height]: [u32; 2],
+) -> Option<Wanted> {
+    let caster = &thing.caster;
+    let mut reach: Option<([f64; 2], Rectangle)> = None;
+    for (receiver, rectangle) in receivers {
+        let Some([from, to]) = caster.bounds.shadow_reaches(lamp, receiver) else { continue };
+        let ([least, most], about) = reach.unwrap_or(([from, to], *rectangle));
+        reach = Some(([least.min(from), most.max(to)], about.with(rectangle)));
+    }
+    let (reach, receivers) = reach?;
+    let shadow = caster.bounds.shadow_in_picture(lamp, reach, camera)?;
+    let scissor = shadow.common(&receivers)?.pixels(width, height);
+    if scissor[2] == 0 || scissor[3] == 0 {
+        return None;
+    }
+    // Through what is hidden from cameras the eye may look into a volume: only whole ones are right there.
+    let whole = thing.hidden || caster.may_shade_near_plane(lamp, camera);
+    Some(Wanted { thing: number, whole, scissor })
+}

@@ -1,0 +1,105 @@
+//! Textures with mip maps, in linear light, in one buffer that every pixel can reach whichever textures it meets.
+//!
+//! A texel is the square roots of its linear values in 11, 11 and 10 bits: four bytes, and finer everywhere than the 8 bits of sRGB that
+//! it comes from. Levels are means of 2 × 2 in linear light (Williams 1983). `composition.wgsl` (`texel`) is the other half.
+
+use crate::frame::NONE;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use lightmend_scene::Texture;
+use std::sync::Arc;
+
+/// Where a texture lies among the texels.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct GpuTexture {
+    first: u32,
+    width: u32,
+    height: u32,
+    levels: u32,
+}
+
+/// All textures of a scene, each once.
+#[derive(Debug, Default)]
+pub struct Textures {
+    known: Vec<Arc<Texture>>,
+    /// Where they lie.
+    pub entries: Vec<GpuTexture>,
+    /// All texels.
+    pub texels: Vec<u32>,
+    /// How often the finest level was left out, to fit.
+    pub halvings: u32,
+}
+
+fn pack(linear: Vec3) -> u32 {
+    let part = |x: f32, most: f32| (x.clamp(0.0, 1.0).sqrt() * most).round() as u32;
+    part(linear.x, 2047.0) | part(linear.y, 2047.0) << 11 | part(linear.z, 1023.0) << 22
+}
+
+/// A level from the finer one: means of up to 2 × 2 texels.
+fn halved(width: u32, height: u32, fine: &[Vec3]) -> (u32, u32, Vec<Vec3>) {
+    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
+    let at = |x: u32, y: u32| fine[(y.min(height - 1) * width + x.min(width - 1)) as usize];
+    let texels = (0..w * h)
+        .map(|k| {
+            let (x, y) = (2 * (k % w), 2 * (k / w));
+            (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0
+        })
+        .collect();
+    (w, h, texels)
+}
+
+impl Textures {
+    /// The number of a texture, which is added if it is new; its finest level is left out while it would make `most` texels be exceeded.
+    pub fn number(&mut self, texture: &Arc<Texture>, most: usize) -> u32 {
+        if let Some(known) = self.known.iter().position(|t| Arc::ptr_eq(t, texture)) {
+            return known as u32;
+        }
+        let [mut width, mut height] = texture.size();
+        let mut level: Vec<Vec3> = texture.linear().collect();
+        while self.texels.len() + level.len() * 4 / 3 + 32 > most && level.len() > 1 {
+            (width, height, level) = halved(width, height, &level);
+            self.halvings += 1;
+        }
+        let mut entry = GpuTexture { first: self.texels.len() as u32, width, height, levels: 1 };
+        self.texels.extend(level.iter().copied().map(pack));
+        while width.max(height) > 1 {
+            (width, height, level) = halved(width, height, &level);
+            self.texels.extend(level.iter().copied().map(pack));
+            entry.levels += 1;
+        }
+        self.known.push(texture.clone());
+        self.entries.push(entry);
+        self.entries.len() as u32 - 1
+    }
+
+    /// The number of a texture that may be missing.
+    pub fn maybe(&mut self, texture: &Option<Arc<Texture>>, most: usize) -> u32 {
+        texture.as_ref().map_or(NONE, |texture| self.number(texture, most))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_means_in_linear_light() {
+        let fine = vec![Vec3::ZERO, Vec3::ONE, Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        let (w, h, mean) = halved(3, 2, &fine);
+        assert_eq!((w, h), (1, 1));
+        assert_eq!(mean[0], Vec3::splat(0.5));
+    }
+
+    #[test]
+    fn packing_is_finer_than_srgb() {
+        for byte in 0..=255u32 {
+            let linear = lightmend_scene::srgb_to_linear(f64::from(byte) / 255.0) as f32;
+            let step = lightmend_scene::srgb_to_linear(f64::from(byte + 1) / 255.0) as f32 - linear;
+            let packed = pack(Vec3::splat(linear));
+            let red = (packed & 2047) as f32 / 2047.0;
+            let blue = (packed >> 22) as f32 / 1023.0;
+            assert!((red * red - linear).abs() < 0.3 * step && (blue * blue - linear).abs() < 0.6 * step, "{byte}");
+        }
+    }
+}
