@@ -1,0 +1,1 @@
+//! Direct light against closed forms.

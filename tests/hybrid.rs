@@ -1,0 +1,1 @@
+//! Rasteriser and photons together against photons alone.

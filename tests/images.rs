@@ -1,0 +1,1 @@
+//! Frames against golden pictures.

@@ -1,0 +1,1 @@
+//! Masks against ray-traced visibility.
