@@ -99,7 +99,13 @@ impl CubeMap {
     /// Candela towards a direction, whatever range was measured: the shader's twin.
     fn interpolated(&self, d: DVec3) -> f64 {
         let size = d.abs();
-        let axis = if size.x >= size.y && size.x >= size.z { 0 } else if size.y >= size.z { 1 } else { 2 };
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
         let face = 2 * axis + usize::from(d[axis] < 0.0);
         let side = self.intervals as usize + 1;
         let at = |other: usize| {
