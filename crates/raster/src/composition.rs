@@ -36,10 +36,10 @@ impl Parts {
     }
 }
 
-/// What a scene has that others need not pay for.
+/// What pixels need that others need not pay for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// Textures.
+    /// A texture: for those that see an object with one, after all others.
     pub textured: bool,
     /// Lamps with goniometric diagrams.
     pub goniometric: bool,

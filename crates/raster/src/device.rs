@@ -36,6 +36,14 @@ pub enum RasterError {
         /// Pixels, the driver's limit.
         most: u32,
     },
+    /// More lamps than shaders can hold.
+    #[error("{lamps} lamps are lit whose direct light the rasteriser draws, more than {most}; give some of them `direct: photons`")]
+    Lamps {
+        /// How many.
+        lamps: usize,
+        /// How many can be drawn.
+        most: usize,
+    },
     /// Too much for the device's memory.
     #[error("{what} needs {bytes} bytes, more than the {most} that {driver} can hold in one buffer")]
     TooLarge {

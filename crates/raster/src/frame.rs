@@ -4,6 +4,7 @@ use crate::{
     camera::Camera,
     device::{Device, RasterError},
     goniometric::CubeMap,
+    table::Table,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
@@ -91,17 +92,21 @@ pub struct Lamps {
     /// Of [`GpuLamp`]s.
     pub buffer: wgpu::Buffer,
     /// Candela.
-    pub cube_maps: wgpu::Buffer,
+    pub cube_maps: Table,
     /// What could not be done as the files say.
     pub warnings: Vec<String>,
 }
 
-const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
+const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// Lamps that can be drawn; the same in `frame.wgsl`. They fit the uniform buffer that every driver has.
+const MOST_LAMPS: usize = 640;
 
 impl Lamps {
     /// None yet.
     pub fn new(device: &Device) -> Result<Lamps, RasterError> {
-        let [buffer, cube_maps] = [device.buffer("lamps", 0, STORAGE)?, device.buffer("cube maps", 0, STORAGE)?];
+        let buffer = device.buffer("lamps", (MOST_LAMPS * size_of::<GpuLamp>()) as u64, wgpu::BufferUsages::UNIFORM)?;
+        let cube_maps = Table::new(device, "cube maps", 0, SAMPLES)?;
         Ok(Lamps { drawn: Vec::new(), maps: Vec::new(), buffer, cube_maps, warnings: Vec::new() })
     }
 
@@ -115,6 +120,9 @@ impl Lamps {
         let drawn = configuration.lamps().filter(|(_, lamp)| lamp.lit && lamp.direct == Direct::Rasteriser);
         let mut drawn: Vec<_> = drawn.collect();
         drawn.sort_by(|a, b| a.1.name.cmp(&b.1.name));
+        if drawn.len() > MOST_LAMPS {
+            return Err(RasterError::Lamps { lamps: drawn.len(), most: MOST_LAMPS });
+        }
         let photometry = |id: usize| configuration.lamp(id).photometry.as_ref();
         self.drawn = drawn
             .iter()
@@ -152,7 +160,7 @@ impl Lamps {
                 *first = samples.len() as u32;
                 samples.extend(&map.candela);
             }
-            self.cube_maps = device.filled("cube maps", bytemuck::cast_slice(&samples), STORAGE)?;
+            self.cube_maps = Table::filled(device, "cube maps", &samples, SAMPLES)?;
         }
         let gpu: Vec<GpuLamp> = self
             .drawn
@@ -174,11 +182,7 @@ impl Lamps {
                 }
             })
             .collect();
-        let content: &[u8] = bytemuck::cast_slice(&gpu);
-        if content.len() as u64 > self.buffer.size() {
-            self.buffer = device.buffer("lamps", content.len() as u64, STORAGE)?;
-        }
-        device.queue.write_buffer(&self.buffer, 0, content);
+        device.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&gpu));
         Ok(())
     }
 }
