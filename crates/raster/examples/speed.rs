@@ -10,7 +10,7 @@ use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, Times}
 use lightmend_scene::{Configuration, Edit, LatticePoints, Scene, View};
 use std::{error::Error, path::Path, time::Instant};
 
-const FRAMES: usize = 11;
+const FRAMES: usize = 31;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);

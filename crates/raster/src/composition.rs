@@ -43,4 +43,14 @@ pub struct Variant {
     pub textured: bool,
     /// Lamps with goniometric diagrams.
     pub goniometric: bool,
+    /// How many lamps are drawn; 0 for whichever number.
+    pub lamps: u32,
+}
+
+impl Variant {
+    /// A program for each number of lamps, if there are few.
+    pub fn new(textured: bool, goniometric: bool, lamps: usize) -> Variant {
+        const MOST: usize = 8;
+        Variant { textured, goniometric, lamps: if lamps <= MOST { lamps as u32 } else { 0 } }
+    }
 }

@@ -6,6 +6,8 @@
 // What the scene has: a pipeline without them is another, shorter program.
 override TEXTURED: bool = false;
 override GONIOMETRIC: bool = false;
+// How many lamps are drawn, or 0 for as many as the frame says: a loop of known length has no jumps.
+override LAMPS: u32 = 0u;
 
 // Which parts are added; the same bits as `Parts` in `composition.rs`.
 const INDIRECT = 1u;
@@ -153,6 +155,18 @@ fn candela(lamp: Lamp, away: vec3f) -> f32 {
     return select(0.0, value, cosine >= lamp.last && cosine <= lamp.first);
 }
 
+// Light of a lamp at a point given from a corner of its triangle, as if nothing stood in between.
+fn direct(lamp: Lamp, corner: vec3f, from_corner: vec3f, normal: vec3f) -> vec3f {
+    let to_lamp = (lamp.position - corner) - from_corner;
+    let facing = dot(normal, to_lamp);
+    let squared = dot(to_lamp, to_lamp);
+    var power = max(facing, 0.0) * inverseSqrt(squared) / squared;
+    if GONIOMETRIC && lamp.map != NONE {
+        power *= candela(lamp, -to_lamp);
+    }
+    return lamp.intensity * power;
+}
+
 // A texel's place in a repeated image, from at most one image away: integer division is slow where it is done in software.
 fn repeated(k: i32, count: i32) -> u32 {
     return u32(k + select(0, count, k < 0) - select(0, count, k >= count));
@@ -253,20 +267,13 @@ fn compose(@builtin(position) position: vec4f) -> @location(0) vec4f {
         }
     }
     if (frame.parts & DIRECT) != 0u {
-        for (var layer = 0u; 4u * layer < frame.lamps; layer++) {
-            let mask = textureLoad(masks, pixel, layer, 0);
-            for (var l = 4u * layer; l < min(4u * layer + 4u, frame.lamps); l++) {
-                let lamp = lamps[l];
-                let to_lamp = (lamp.position - triangle.a) - from_a;
-                let facing = dot(normal, to_lamp);
-                if facing > 0.0 && mask[l & 3u] > 0.0 {
-                    let squared = dot(to_lamp, to_lamp);
-                    var power = facing * inverseSqrt(squared) / squared;
-                    if GONIOMETRIC && lamp.map != NONE {
-                        power *= candela(lamp, -to_lamp);
-                    }
-                    sum += lamp.intensity * power;
-                }
+        if LAMPS > 0u {
+            for (var l = 0u; l < LAMPS; l++) {
+                sum += select(vec3f(0.0), direct(lamps[l], triangle.a, from_a, normal), textureLoad(masks, pixel, l / 4u, 0)[l % 4u] > 0.0);
+            }
+        } else {
+            for (var l = 0u; l < frame.lamps; l++) {
+                sum += select(vec3f(0.0), direct(lamps[l], triangle.a, from_a, normal), textureLoad(masks, pixel, l / 4u, 0)[l % 4u] > 0.0);
             }
         }
     }

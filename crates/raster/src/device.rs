@@ -37,7 +37,9 @@ pub enum RasterError {
         most: u32,
     },
     /// More lamps than shaders can hold.
-    #[error("{lamps} lamps are lit whose direct light the rasteriser draws, more than {most}; give some of them `direct: photons`")]
+    #[error(
+        "{lamps} lamps are lit whose direct light the rasteriser draws, more than {most}; give some of them `direct: photons`"
+    )]
     Lamps {
         /// How many.
         lamps: usize,

@@ -305,6 +305,7 @@ impl Pipelines {
             constants: &[
                 ("TEXTURED", f64::from(u8::from(variant.textured))),
                 ("GONIOMETRIC", f64::from(u8::from(variant.goniometric))),
+                ("LAMPS", f64::from(variant.lamps)),
             ],
         }
         .make(device);

@@ -136,7 +136,8 @@ impl Renderer {
         let seen = seen_vertices(&self.geometry, &camera, |_| true);
         let textured = seen_vertices(&self.geometry, &camera, |thing| thing.textured);
         let goniometric = self.lamps.goniometric();
-        let mut composition = |textured: bool| self.pipelines.composition(&self.device, Variant { textured, goniometric });
+        let mut composition =
+            |textured: bool| self.pipelines.composition(&self.device, Variant::new(textured, goniometric, lamps));
         let plain = composition(false);
         let with_textures = (!textured.is_empty()).then(|| composition(true));
         let device = &self.device;
@@ -166,11 +167,8 @@ impl Renderer {
         );
         let (tiles, exposure) = (view_of(&targets.tiles), view_of(&targets.exposure));
         let toning = |measured: &wgpu::TextureView| {
-            let resources = [
-                self.tone.as_entire_binding(),
-                BindingResource::TextureView(&light),
-                BindingResource::TextureView(measured),
-            ];
+            let resources =
+                [self.tone.as_entire_binding(), BindingResource::TextureView(&light), BindingResource::TextureView(measured)];
             group(device, &self.pipelines.toning, &resources)
         };
 
@@ -256,7 +254,8 @@ impl Renderer {
         if tone.measures() {
             // Each pass is given a texture that it does not draw into.
             for (n, (target, measured)) in [(&tiles, &exposure), (&exposure, &tiles)].into_iter().enumerate() {
-                let mut pass = begin(&mut encoder, "exposure", target, clear, None, self.stopwatch.render_of(Pass::Exposure, n, 2));
+                let mut pass =
+                    begin(&mut encoder, "exposure", target, clear, None, self.stopwatch.render_of(Pass::Exposure, n, 2));
                 pass.set_pipeline(&self.pipelines.measure[n]);
                 pass.set_bind_group(0, &toning(measured), &[]);
                 pass.draw(0..3, 0..1);
