@@ -1,5 +1,7 @@
 //! What the whole-program tests share: scenes made on the spot, pools, and how thorough to be.
 
+pub mod pixels;
+
 use glam::DVec3;
 use lightmend_photon::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, solution::Solution, world::World};
 use lightmend_scene::{
