@@ -113,7 +113,7 @@ fn linear_light_is_interpolated_linearly_on_both_sides() {
 fn a_side_without_light_is_black() {
     let mut renderer = renderer();
     let configuration = Configuration::initial(&plates(0.2));
-    let lit = |id: usize, side: usize| (id + side) % 2 == 0;
+    let lit = |id: usize, side: usize| (id + side).is_multiple_of(2);
     renderer.show(&configuration).unwrap();
     renderer.light(&indirect(&configuration, |_, _| true)).unwrap();
     renderer.light(&indirect(&configuration, lit)).unwrap();
