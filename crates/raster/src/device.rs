@@ -156,8 +156,7 @@ impl Device {
     pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RasterError> {
         let limits = self.device.limits();
         let storage = usage.contains(wgpu::BufferUsages::STORAGE);
-        let most =
-            if storage { limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) } else { limits.max_buffer_size };
+        let most = if storage { limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) } else { limits.max_buffer_size };
         if bytes > most {
             return Err(RasterError::TooLarge { what, bytes, most, driver: self.name.clone() });
         }

@@ -184,12 +184,7 @@ impl Geometry {
         present.iter().filter_map(|(_, object)| known(&self.welded, &object.mesh)).collect()
     }
 
-    fn rebuild(
-        &mut self,
-        device: &Device,
-        configuration: &Configuration,
-        present: &[(usize, &Object)],
-    ) -> Result<(), RasterError> {
+    fn rebuild(&mut self, device: &Device, configuration: &Configuration, present: &[(usize, &Object)]) -> Result<(), RasterError> {
         let shapes = self.weld(present);
         let (mut vertices, mut pairs, mut triangles, mut materials) = (0u32, 0u32, 0u32, 0u32);
         self.firsts = vec![0];
@@ -239,13 +234,10 @@ impl Geometry {
         let mut textures = Textures::default();
         let mut materials: Vec<GpuMaterial> = Vec::new();
         for thing in &self.things {
-            materials.extend(
-                thing
-                    .object
-                    .materials
-                    .iter()
-                    .map(|m| GpuMaterial { reflectance: m.reflectance.to_array(), texture: textures.maybe(&m.texture, most) }),
-            );
+            materials.extend(thing.object.materials.iter().map(|m| GpuMaterial {
+                reflectance: m.reflectance.to_array(),
+                texture: textures.maybe(&m.texture, most),
+            }));
         }
         if textures.halvings > 0 {
             self.warnings.push("the textures are more than the driver can hold: the largest are drawn coarser".into());
@@ -254,8 +246,7 @@ impl Geometry {
         if !textures.entries.is_empty() {
             let corners = self.things.iter().flat_map(|thing| {
                 let mesh = &thing.object.mesh;
-                (0..mesh.triangles.len())
-                    .flat_map(|t| mesh.uvs.get(t).copied().unwrap_or_default().map(|uv| uv.as_vec2().to_array()))
+                (0..mesh.triangles.len()).flat_map(|t| mesh.uvs.get(t).copied().unwrap_or_default().map(|uv| uv.as_vec2().to_array()))
             });
             let corners: Vec<[f32; 2]> = corners.collect();
             self.uvs = device.filled("texture coordinates", bytemuck::cast_slice(&corners), STORAGE)?;

@@ -20,11 +20,8 @@ pub const READ: BindingType =
     BindingType::Buffer { ty: BufferBindingType::Storage { read_only: true }, has_dynamic_offset: false, min_binding_size: None };
 
 /// A storage buffer that is written.
-pub const WRITE: BindingType = BindingType::Buffer {
-    ty: BufferBindingType::Storage { read_only: false },
-    has_dynamic_offset: false,
-    min_binding_size: None,
-};
+pub const WRITE: BindingType =
+    BindingType::Buffer { ty: BufferBindingType::Storage { read_only: false }, has_dynamic_offset: false, min_binding_size: None };
 
 /// A texture that is read texel by texel.
 pub const fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
@@ -93,11 +90,7 @@ impl Recipe<'_> {
             .vertices
             .iter()
             .map(|(array_stride, attributes)| {
-                Some(wgpu::VertexBufferLayout {
-                    array_stride: *array_stride,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes,
-                })
+                Some(wgpu::VertexBufferLayout { array_stride: *array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
             })
             .collect();
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
@@ -164,7 +157,11 @@ pub struct Pipelines {
 impl Pipelines {
     /// All but composition, which depends on what a scene has.
     pub fn new(device: &Device) -> Pipelines {
-        let frame = layout(device, "frame", &[(ShaderStages::VERTEX_FRAGMENT, UNIFORM), (ShaderStages::VERTEX_FRAGMENT, READ)]);
+        let frame = layout(
+            device,
+            "frame",
+            &[(ShaderStages::VERTEX_FRAGMENT, UNIFORM), (ShaderStages::VERTEX_FRAGMENT, READ)],
+        );
         let fragment = ShaderStages::FRAGMENT;
         let shading = layout(
             device,
@@ -187,8 +184,11 @@ impl Pipelines {
             "tone",
             &[(both, UNIFORM), (both, texture(FLOAT, TextureViewDimension::D2)), (ShaderStages::COMPUTE, WRITE)],
         );
-        let developing =
-            layout(device, "development", &[(fragment, UNIFORM), (fragment, texture(FLOAT, TextureViewDimension::D2))]);
+        let developing = layout(
+            device,
+            "development",
+            &[(fragment, UNIFORM), (fragment, texture(FLOAT, TextureViewDimension::D2))],
+        );
         let measured = layout(device, "exposure", &[(fragment, READ)]);
         let plain = Recipe {
             label: "",

@@ -136,8 +136,11 @@ impl Renderer {
         let variant = Variant { textured: self.geometry.textured(), goniometric: self.lamps.goniometric() };
         let composition = self.pipelines.composition(&self.device, variant);
         let device = &self.device;
-        let camera_and_lamps =
-            group(device, &self.pipelines.frame, &[self.frame.as_entire_binding(), self.lamps.buffer.as_entire_binding()]);
+        let camera_and_lamps = group(
+            device,
+            &self.pipelines.frame,
+            &[self.frame.as_entire_binding(), self.lamps.buffer.as_entire_binding()],
+        );
         let view_of = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let masks = targets.masks.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -165,8 +168,11 @@ impl Renderer {
             &self.pipelines.toning,
             &[self.tone.as_entire_binding(), BindingResource::TextureView(&light), targets.tiles.as_entire_binding()],
         );
-        let developing =
-            group(device, &self.pipelines.developing, &[self.tone.as_entire_binding(), BindingResource::TextureView(&light)]);
+        let developing = group(
+            device,
+            &self.pipelines.developing,
+            &[self.tone.as_entire_binding(), BindingResource::TextureView(&light)],
+        );
         let measured = group(device, &self.pipelines.measured, &[targets.tiles.as_entire_binding()]);
 
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

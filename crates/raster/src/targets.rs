@@ -103,8 +103,7 @@ pub fn read(device: &Device, texture: &wgpu::Texture, layer: u32) -> Result<Vec<
     if size > most {
         return Err(RasterError::TooLarge { what: "reading the picture", bytes: size, most, driver: device.name.clone() });
     }
-    let buffer =
-        device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
     let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         wgpu::TexelCopyTextureInfo {

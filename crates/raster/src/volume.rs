@@ -147,10 +147,9 @@ impl Caster {
         let apart = |bounds: &Bounds, points: &[DVec3]| {
             bounds.low.cmpgt(pyramid.high).any()
                 || bounds.high.cmplt(pyramid.low).any()
-                || normals
-                    .iter()
-                    .zip(spans)
-                    .any(|(n, (low, high))| points.iter().all(|p| n.dot(*p) < low) || points.iter().all(|p| n.dot(*p) > high))
+                || normals.iter().zip(spans).any(|(n, (low, high))| {
+                    points.iter().all(|p| n.dot(*p) < low) || points.iter().all(|p| n.dot(*p) > high)
+                })
         };
         if apart(&self.bounds, &self.bounds.corners()) {
             return false;
@@ -208,13 +207,7 @@ mod tests {
                 let t = direction.dot(q) / determinant;
                 let along = v.dot(q) / determinant;
                 let met = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && (0.0..=1.0).contains(&along);
-                if !met {
-                    0
-                } else if determinant > 0.0 {
-                    1
-                } else {
-                    -1
-                }
+                if !met { 0 } else if determinant > 0.0 { 1 } else { -1 }
             })
             .sum()
     }
