@@ -1,13 +1,21 @@
 //! What the whole-program tests share: scenes made on the spot, pools, and how thorough to be.
 
-use glam::DVec3;
+pub mod pixels;
+
+use glam::{DVec2, DVec3};
 use lightmend_photon::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, solution::Solution, world::World};
 use lightmend_scene::{
     Configuration, Mesh, Scene, Up,
     format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, read_ron, write_ron},
     obj::write_obj,
 };
-use std::{collections::BTreeMap, fs::File, io::BufWriter, path::PathBuf, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::BufWriter,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// `usual`, or `thorough` when `./check --thorough` runs.
 pub fn count(usual: u64, thorough: u64) -> u64 {
@@ -113,6 +121,16 @@ impl Builder {
     pub fn rectangle(self, name: &str, reflectance: f64, corner: [f64; 3], u: [f64; 3], v: [f64; 3]) -> Self {
         let [o, u, v] = [corner, u, v].map(DVec3::from_array);
         self.object(name, reflectance, vec![o, o + u, o + u + v, o + v], vec![[0, 1, 2], [0, 2, 3]])
+    }
+
+    /// Gives the object that was added last a texture and its triangles' corners places in it.
+    pub fn texture(mut self, path: &Path, uvs: Vec<[DVec2; 3]>) -> Self {
+        if let Some((name, mesh)) = self.meshes.last_mut() {
+            mesh.uvs = uvs;
+            let material = self.file.materials.get_mut(&format!("of {name}"));
+            material.into_iter().for_each(|m| m.texture = Some(path.to_string_lossy().into()));
+        }
+        self
     }
 
     /// Adds a lamp of `candela`, without a photometric file.

@@ -224,7 +224,8 @@ fn textured(id: u32, triangle: Triangle, texture: Texture, pixel: vec2f, at: vec
     let lengths = vec2f(length(to_right * size), length(downwards * size));
     let longer = select(downwards, to_right, lengths.x > lengths.y);
     let most = max(lengths.x, lengths.y);
-    let samples = clamp(ceil(most / max(min(lengths.x, lengths.y), 1.0)), 1.0, 8.0);
+    // A footprint as wide as long, but for rounding, is one sample.
+    let samples = clamp(ceil(most / max(min(lengths.x, lengths.y), 1.0) - 0.01), 1.0, 8.0);
     let level = log2(max(most / samples, 1.0));
     var sum = vec3f(0.0);
     for (var k = 0.0; k < samples; k += 1.0) {

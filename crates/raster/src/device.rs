@@ -175,11 +175,4 @@ impl Device {
         let usage = usage | wgpu::BufferUsages::COPY_DST;
         Ok(self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false }))
     }
-
-    /// A buffer with this content.
-    pub fn filled(&self, what: &'static str, content: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RasterError> {
-        let buffer = self.buffer(what, content.len() as u64, usage)?;
-        self.queue.write_buffer(&buffer, 0, content);
-        Ok(buffer)
-    }
 }

@@ -3,7 +3,7 @@
 use crate::{
     camera::Camera,
     device::{Device, RasterError},
-    goniometric::CubeMap,
+    goniometric::{CubeMap, FINEST},
     table::Table,
 };
 use bytemuck::{Pod, Zeroable};
@@ -102,6 +102,20 @@ const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Lamps that can be drawn; the same in `frame.wgsl`. They fit the uniform buffer that every driver has.
 const MOST_LAMPS: usize = 640;
 
+/// Samples of all cube maps together: 128 MB.
+const MOST_SAMPLES: u64 = 1 << 25;
+
+/// Makes the finest maps coarser until all together have no more than `most` samples.
+fn coarsen(maps: &mut [(Arc<Photometry>, CubeMap, u32)], most: u64) {
+    let mut finest = FINEST;
+    while finest > 1 && maps.iter().map(|(_, map, _)| map.candela.len() as u64).sum::<u64>() > most {
+        finest /= 2;
+        for (photometry, map, _) in maps.iter_mut().filter(|(_, map, _)| map.intervals > finest) {
+            *map = CubeMap::new(photometry, finest);
+        }
+    }
+}
+
 impl Lamps {
     /// None yet.
     pub fn new(device: &Device) -> Result<Lamps, RasterError> {
@@ -136,31 +150,31 @@ impl Lamps {
             .collect();
         let in_use = |known: &Arc<Photometry>| drawn.iter().any(|(id, _)| photometry(*id).is_some_and(|p| Arc::ptr_eq(p, known)));
         let unused = self.maps.iter().any(|(known, ..)| !in_use(known));
-        let mut new = false;
+        let mut new: Vec<(&str, Arc<Photometry>)> = Vec::new();
         for (id, lamp) in &drawn {
             if let Some(photometry) = photometry(*id)
                 && !self.maps.iter().any(|(known, ..)| Arc::ptr_eq(known, photometry))
             {
-                let map = CubeMap::new(photometry);
-                if map.error > 2.0 * crate::goniometric::TOLERANCE {
-                    self.warnings.push(format!(
-                        "lamp '{}': its beam is narrower than a cube map can hold; its direct light is off by up to {:.1} % of its peak",
-                        lamp.name,
-                        map.error * 100.0
-                    ));
-                }
-                self.maps.push((photometry.clone(), map, NONE));
-                new = true;
+                self.maps.push((photometry.clone(), CubeMap::new(photometry, FINEST), NONE));
+                new.push((&lamp.name, photometry.clone()));
             }
         }
-        if new || unused {
+        if !new.is_empty() || unused {
             self.maps.retain(|(known, ..)| in_use(known));
+            coarsen(&mut self.maps, MOST_SAMPLES);
             let mut samples: Vec<f32> = Vec::new();
             for (_, map, first) in &mut self.maps {
                 *first = samples.len() as u32;
                 samples.extend(&map.candela);
             }
             self.cube_maps = Table::filled(device, "cube maps", &samples, SAMPLES)?;
+        }
+        for (name, photometry) in &new {
+            let map = self.maps.iter().find(|(known, map, _)| Arc::ptr_eq(known, photometry) && map.bad());
+            self.warnings.extend(map.map(|(_, map, _)| {
+                let error = map.error * 100.0;
+                format!("lamp '{name}': its beam is narrower than a cube map can hold; its direct light is off by up to {error:.1} % of its peak")
+            }));
         }
         let gpu: Vec<GpuLamp> = self
             .drawn
@@ -184,5 +198,28 @@ impl Lamps {
             .collect();
         device.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&gpu));
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn maps_become_coarser_where_they_would_not_fit() {
+        let map = |text: &str| {
+            let photometry = Arc::new(Photometry::parse(text.as_bytes(), Path::new("test.ies")).unwrap().0);
+            let map = CubeMap::new(&photometry, 128);
+            (photometry, map, NONE)
+        };
+        let spot = map("TILT=NONE\n1 -1 1 6 1 1 1 0 0 0\n1 1 0\n0 4 8 12 20 90\n0\n1000 800 300 50 0 0\n");
+        let even = map("TILT=NONE\n1 -1 1 2 1 1 1 0 0 0\n1 1 0\n0 180\n0\n7 7\n");
+        let mut maps = [spot.clone(), even.clone()];
+        coarsen(&mut maps, 200_000);
+        assert_eq!(maps, [spot, even.clone()]);
+        coarsen(&mut maps, 10_000);
+        assert_eq!((maps[0].1.intervals, &maps[1]), (32, &even));
+        assert!(maps[0].1.bad());
     }
 }

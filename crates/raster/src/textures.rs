@@ -36,16 +36,26 @@ fn pack(linear: Vec3) -> u32 {
     part(linear.x, 2047.0) | part(linear.y, 2047.0) << 11 | part(linear.z, 1023.0) << 22
 }
 
-/// A level from the finer one: means of up to 2 × 2 texels.
+/// For each texel of a row of `to`, the texels of the finer row of `from` that it covers, and their shares.
+fn shares(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
+    let covered = |x: u32| {
+        // In units of 1 / `to` of a fine texel.
+        let (low, high) = (x * from, (x + 1) * from);
+        let share = move |k: u32| (k, (high.min((k + 1) * to) - low.max(k * to)) as f32 / from as f32);
+        (low / to..high.div_ceil(to)).map(share).collect()
+    };
+    (0..to).map(covered).collect()
+}
+
+/// A level from the finer one: means of 2 × 2 texels, where their number is odd of the parts of 3 × 3 that a coarse texel covers, so that
+/// the mean of the whole stays.
 fn halved(width: u32, height: u32, fine: &[Vec3]) -> (u32, u32, Vec<Vec3>) {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-    let at = |x: u32, y: u32| fine[(y.min(height - 1) * width + x.min(width - 1)) as usize];
-    let texels = (0..w * h)
-        .map(|k| {
-            let (x, y) = (2 * (k % w), 2 * (k / w));
-            (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0
-        })
-        .collect();
+    let (across, down) = (shares(width, w), shares(height, h));
+    let row = |y: u32| &fine[(y * width) as usize..][..width as usize];
+    let along = |y: u32, columns: &[(u32, f32)]| columns.iter().map(|(x, share)| row(y)[*x as usize] * *share).sum::<Vec3>();
+    let texel = |rows: &[(u32, f32)], columns: &[(u32, f32)]| rows.iter().map(|(y, share)| along(*y, columns) * *share).sum();
+    let texels = down.iter().flat_map(|rows| across.iter().map(move |columns| texel(rows, columns))).collect();
     (w, h, texels)
 }
 
@@ -89,6 +99,12 @@ mod tests {
         let (w, h, mean) = halved(3, 2, &fine);
         assert_eq!((w, h), (1, 1));
         assert_eq!(mean[0], Vec3::splat(0.5));
+        // Of odd sizes nothing is left out.
+        let fine: Vec<Vec3> = (0..35).map(|k| Vec3::splat(if k % 7 == 6 || k > 27 { 1.0 } else { 0.0 })).collect();
+        let (w, h, coarse) = halved(7, 5, &fine);
+        assert_eq!((w, h), (3, 2));
+        assert!((coarse.iter().map(|t| t.x).sum::<f32>() / 6.0 - 11.0 / 35.0).abs() < 1e-6);
+        assert_eq!(halved(1, 3, &fine[4..7]).2, [Vec3::splat(1.0 / 3.0)]);
     }
 
     #[test]

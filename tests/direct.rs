@@ -1,1 +1,0 @@
-//! Direct light against closed forms.

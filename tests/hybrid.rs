@@ -1,1 +1,0 @@
-//! Rasteriser and photons together against photons alone.
