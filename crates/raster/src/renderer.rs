@@ -272,6 +272,12 @@ impl Renderer {
         self.device.check()
     }
 
+    /// How many shadow volumes were made anew for the last picture: those of objects and lamps that moved, and those that were seen for the
+    /// first time.
+    pub fn volumes_made(&self) -> usize {
+        self.volumes.made
+    }
+
     /// Waits until the picture is done, and says how long its passes took.
     pub fn finish(&mut self) -> Result<Times, RasterError> {
         self.device.wait()?;
@@ -348,4 +354,36 @@ fn seen_vertices(geometry: &Geometry, camera: &Camera, counts: impl Fn(&Thing) -
         }
     }
     runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lightmend_scene::{Edit, Scene};
+    use std::path::Path;
+
+    #[test]
+    fn volumes_of_what_stands_still_are_kept() {
+        let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
+        let scene = Scene::read(&room).unwrap().0;
+        let before = Configuration::initial(&scene);
+        let mut renderer = Renderer::new(Arc::new(Device::headless().unwrap())).unwrap();
+        let look = Look::Photograph { exposure: None };
+        let settings = Settings { width: 64, height: 48, grid: 1, parts: Parts::RADIANCE, look };
+        let mut made = |configuration: &Configuration| {
+            renderer.show(configuration).unwrap();
+            renderer.draw(&scene.cameras[0].1, &settings).unwrap();
+            renderer.volumes_made()
+        };
+        assert!(made(&before) > 100, "at first all are new");
+        assert_eq!(made(&before), 0, "nothing moves");
+        let to = glam::DVec3::new(2.0, 3.0, 0.0);
+        let moved = before.apply(&Edit::Move { object: "table".into(), to }).unwrap();
+        // The table, two cups, the bowl and its fruit, for each of four lamps at most.
+        assert!((1..=20).contains(&made(&moved)));
+        let to = glam::DVec3::new(1.9, 3.0, 1.85);
+        let lamp = moved.apply(&Edit::MoveLamp { lamp: "pendant".into(), to }).unwrap();
+        let count = made(&lamp);
+        assert!((20..=50).contains(&count), "all of one lamp: {count}");
+    }
 }

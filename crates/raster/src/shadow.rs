@@ -94,6 +94,8 @@ pub struct Volumes {
     used: u32,
     /// A [`Cast`] for each part of a volume that is drawn.
     pub casts: wgpu::Buffer,
+    /// How many volumes were made anew for the last picture; all others were kept.
+    pub made: usize,
 }
 
 const INDEX: wgpu::BufferUsages = wgpu::BufferUsages::INDEX;
@@ -111,7 +113,7 @@ impl Volumes {
     /// None yet.
     pub fn new(device: &Device) -> Result<Volumes, RasterError> {
         let [arena, casts] = [device.buffer("shadow volumes", 0, INDEX)?, device.buffer("casts", 0, VERTEX)?];
-        Ok(Volumes { volumes: Vec::new(), arena, used: 0, casts })
+        Ok(Volumes { volumes: Vec::new(), arena, used: 0, casts, made: 0 })
     }
 
     /// What is to be drawn, lamp by lamp, of what can fall on something in a picture of `size` pixels.
@@ -140,13 +142,14 @@ impl Volumes {
         self.volumes.resize_with(lamps.len(), Vec::new);
         self.volumes.iter_mut().for_each(|row| row.resize_with(things.len(), Volume::default));
         let rows = self.volumes.par_iter_mut().zip(lamps).zip(wanted.par_chunks(things.len().max(1)));
-        rows.for_each(|((row, lamp), wanted)| {
-            row.par_iter_mut().zip(wanted).for_each(|(volume, wanted)| {
-                if let Some(wanted) = wanted {
-                    volume.make(&things[wanted.thing], lamp.position, wanted.whole);
-                }
+        let made = rows.map(|((row, lamp), wanted)| {
+            let made = row.par_iter_mut().zip(wanted).filter_map(|(volume, wanted)| {
+                let wanted = wanted.as_ref()?;
+                volume.make(&things[wanted.thing], lamp.position, wanted.whole).then_some(())
             });
+            made.count()
         });
+        self.made = made.sum();
         self.upload(device)?;
         let mut casts: Vec<Cast> = Vec::new();
         let mut all = Vec::new();
@@ -213,20 +216,21 @@ fn about(parts: &[Draw]) -> [u32; 4] {
 }
 
 impl Volume {
-    fn make(&mut self, thing: &Thing, lamp: DVec3, whole: bool) {
+    /// Makes what is missing; whether anything was.
+    fn make(&mut self, thing: &Thing, lamp: DVec3, whole: bool) -> bool {
         let of = Some((thing.version, lamp));
         if self.of != of {
             *self = Volume { of, ..Volume::default() };
         }
         let placed = |indices: Vec<u32>| Placed { indices, at: None };
-        if whole {
-            self.whole.get_or_insert_with(|| {
-                let Whole { shell, towards, away } = thing.caster.whole(lamp, thing.first_vertex);
-                [shell, towards, away].map(placed)
-            });
-        } else {
-            self.sides.get_or_insert_with(|| placed(thing.caster.sides(lamp, thing.first_vertex)));
+        let missing = if whole { self.whole.is_none() } else { self.sides.is_none() };
+        if missing && whole {
+            let Whole { shell, towards, away } = thing.caster.whole(lamp, thing.first_vertex);
+            self.whole = Some([shell, towards, away].map(placed));
+        } else if missing {
+            self.sides = Some(placed(thing.caster.sides(lamp, thing.first_vertex)));
         }
+        missing
     }
 }
 

@@ -81,9 +81,9 @@ pub fn with_legend(picture: RgbImage, show: Show, settings: &Settings) -> Result
             (a + (b - a) * (at - k as f64)).round() as u8
         };
         let colour = image::Rgb([mix(0), mix(1), mix(2)]);
-        (height + LINE + 6..height + 2 * LINE + 6).for_each(|y| framed.put_pixel(margin + x, y, colour));
+        (height + LINE + 8..height + 2 * LINE + 8).for_each(|y| framed.put_pixel(margin + x, y, colour));
     }
-    let mut labels = vec![(title.to_owned(), [margin, height + 3])];
+    let mut labels = vec![(title.to_owned(), [margin, height + 6])];
     let steps = if bar < 300 { 2 } else { 4 };
     for k in 0..=steps {
         let share = f64::from(k) / f64::from(steps);
