@@ -34,6 +34,11 @@ impl Failure {
         Failure { status: 1, line: line.to_string() }
     }
 
+    /// The same failure with something more to say.
+    pub fn with(self, more: &str) -> Failure {
+        Failure { line: format!("{}; {more}", self.line), ..self }
+    }
+
     /// The exit status.
     pub fn status(&self) -> u8 {
         self.status

@@ -41,8 +41,7 @@ pub fn write(out: &Path, stem: &str, panels: &[Panel]) -> Result<usize, Failure>
     if panels.is_empty() {
         return Ok(0);
     }
-    // Failing means only that the font was registered before.
-    let _ = plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    register_font();
     let columns = if panels.len() == 1 { 1 } else { 2 };
     let size = (PANEL.0 * columns, PANEL.1 * (panels.len() as u32).div_ceil(columns));
     let fault = |e: &dyn std::fmt::Display| Failure::failed(format!("the figure cannot be drawn: {e}"));
@@ -57,13 +56,27 @@ pub fn write(out: &Path, stem: &str, panels: &[Panel]) -> Result<usize, Failure>
     let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
     draw_all(&area, panels, columns).map_err(|e| fault(&e))?;
     drop(area);
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::from_raw(size.0, size.1, pixels)
-        .ok_or_else(|| Failure::failed("the figure has no pixels"))?
-        .write_to(&mut png, image::ImageFormat::Png)
-        .map_err(|e| fault(&e))?;
-    output::write(&out.join(format!("{stem}.png")), |file| file.write_all(png.get_ref()))?;
+    let picture = image::RgbImage::from_raw(size.0, size.1, pixels).ok_or_else(|| Failure::failed("the figure has no pixels"))?;
+    output::png(&out.join(format!("{stem}.png")), &picture)?;
     Ok(left_out)
+}
+
+fn register_font() {
+    // Failing means only that the font was registered before.
+    let _ = plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+}
+
+/// A picture with black text on it; places are upper left corners, pixels.
+pub fn with_text(mut picture: image::RgbImage, labels: &[(String, [u32; 2])]) -> Result<image::RgbImage, Failure> {
+    register_font();
+    let size = picture.dimensions();
+    {
+        let area = BitMapBackend::with_buffer(&mut picture, size).into_drawing_area();
+        let style = (FONT, 15).into_font().color(&BLACK);
+        let drawn = labels.iter().try_for_each(|(text, [x, y])| area.draw_text(text, &style, (*x as i32, *y as i32)));
+        drawn.and_then(|()| area.present()).map_err(|e| Failure::failed(format!("text cannot be drawn: {e}")))?;
+    }
+    Ok(picture)
 }
 
 type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;

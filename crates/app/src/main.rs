@@ -7,6 +7,7 @@ mod apply;
 mod check;
 mod failure;
 mod figure;
+mod frames;
 mod import;
 mod output;
 mod picture;
@@ -38,6 +39,8 @@ enum Command {
     Solve(solve::Arguments),
     /// Write the scene as it is after scripted moves
     Apply(apply::Arguments),
+    /// Draw scripted moves frame by frame, without a window
+    Frames(frames::Arguments),
     /// Repair the light after scripted moves, in several orders, and compare their work
     Replay(replay::Arguments),
     /// Read irradiance at points of surfaces
@@ -139,10 +142,22 @@ impl PoolArguments {
     }
 }
 
+/// Mesa's drivers look for a Wayland compositor on the way to any device and complain on standard error where this variable is not
+/// set, as in containers and in CI, although nothing here needs one.
+#[allow(unsafe_code)]
+fn keep_drivers_quiet() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: called first in `main`, before any other thread exists that could read the environment.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
+    }
+}
+
 fn main() -> ExitCode {
+    keep_drivers_quiet();
     let result = Arguments::try_parse().map_err(Failure::arguments).and_then(|arguments| match arguments.command {
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Apply(arguments) => apply::run(&arguments),
+        Command::Frames(arguments) => frames::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

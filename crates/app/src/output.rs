@@ -47,6 +47,13 @@ pub fn write(path: &Path, write: impl FnOnce(&mut BufWriter<fs::File>) -> io::Re
     Ok(write_atomically(path, write)?)
 }
 
+/// Writes a picture as PNG.
+pub fn png(path: &Path, picture: &image::RgbImage) -> Result<(), Failure> {
+    let mut bytes = io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| Failure::failed(format!("{}: {e}", path.display())))?;
+    write(path, |file| file.write_all(bytes.get_ref()))
+}
+
 /// Writes a value as JSON, and prints it if `print`.
 pub fn json(path: Option<&Path>, value: &impl Serialize, print: bool) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(Failure::failed)?;

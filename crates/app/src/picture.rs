@@ -33,9 +33,7 @@ pub fn write(path: &Path, world: &World, buckets: &Buckets, scale: &Scale, view:
     let exposure = exposure(&radiance);
     let pixels: Vec<u8> = radiance.iter().flat_map(|r| encode(*r * exposure)).collect();
     let image = image::RgbImage::from_raw(WIDTH, HEIGHT, pixels).ok_or_else(|| Failure::failed("the picture has no pixels"))?;
-    let mut png = std::io::Cursor::new(Vec::new());
-    image.write_to(&mut png, image::ImageFormat::Png).map_err(Failure::failed)?;
-    output::write(path, |file| std::io::Write::write_all(file, png.get_ref()))
+    output::png(path, &image)
 }
 
 fn render(world: &World, buckets: &Buckets, scale: &Scale, view: &View) -> Vec<DVec3> {

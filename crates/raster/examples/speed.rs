@@ -37,7 +37,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let to = from + DVec3::X * 0.01 * frame as f64;
         still.apply(&Edit::Move { object: object.clone(), to })
     };
-    println!("{:<14} {:>9} {:<22} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}", "camera", "size", "", "prepare", "prepass", "shadows", "compose", "exposure", "tone", "frame", "fps");
+    println!(
+        "{:<14} {:>9} {:<22} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}",
+        "camera", "size", "", "prepare", "prepass", "shadows", "compose", "exposure", "tone", "frame", "fps"
+    );
     for (width, height) in [(640, 480), (1280, 720)] {
         for (name, view) in &scene.cameras {
             for (what, moving) in [("nothing moves".to_owned(), false), (format!("{object} moves"), true)] {

@@ -36,11 +36,21 @@ impl Parts {
     }
 }
 
-/// What a scene has that others need not pay for.
+/// What pixels need that others need not pay for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// Textures.
+    /// A texture: for those that see an object with one, after all others.
     pub textured: bool,
     /// Lamps with goniometric diagrams.
     pub goniometric: bool,
+    /// How many lamps are drawn; 0 for whichever number.
+    pub lamps: u32,
+}
+
+impl Variant {
+    /// A program for each number of lamps, if there are few.
+    pub fn new(textured: bool, goniometric: bool, lamps: usize) -> Variant {
+        const MOST: usize = 8;
+        Variant { textured, goniometric, lamps: if lamps <= MOST { lamps as u32 } else { 0 } }
+    }
 }

@@ -6,6 +6,8 @@
 // What the scene has: a pipeline without them is another, shorter program.
 override TEXTURED: bool = false;
 override GONIOMETRIC: bool = false;
+// How many lamps are drawn, or 0 for as many as the frame says: a loop of known length has no jumps.
+override LAMPS: u32 = 0u;
 
 // Which parts are added; the same bits as `Parts` in `composition.rs`.
 const INDIRECT = 1u;
@@ -18,22 +20,16 @@ const INVERSE_PI = 0.31830988618;
 struct Triangle {
     // World-space corners, metres.
     a: vec3f,
-    material: u32,
     b: vec3f,
-    // n: the triangle is cut into n² mesh elements.
-    divisions: u32,
     c: vec3f,
-    // First irradiance of its lattice points, for the front and the back; NONE where no light ever came.
-    front: u32,
     // Unit, of the front.
     normal: vec3f,
+    material: u32,
+    // n: the triangle is cut into n² mesh elements.
+    divisions: u32,
+    // First irradiance of its lattice points, for the front and the back; NONE where no light ever came.
+    front: u32,
     back: u32,
-}
-
-struct Material {
-    // Linear Rec. 709.
-    reflectance: vec3f,
-    texture: u32,
 }
 
 struct Texture {
@@ -46,18 +42,40 @@ struct Texture {
 
 @group(1) @binding(0) var ids: texture_2d<u32>;
 @group(1) @binding(1) var masks: texture_2d_array<f32>;
-@group(1) @binding(2) var<storage, read> triangles: array<Triangle>;
-// Lux; three numbers a lattice point.
-@group(1) @binding(3) var<storage, read> irradiance: array<f32>;
-@group(1) @binding(4) var<storage, read> materials: array<Material>;
-@group(1) @binding(5) var<storage, read> cube_maps: array<f32>;
-@group(1) @binding(6) var<storage, read> uvs: array<vec2f>;
-@group(1) @binding(7) var<storage, read> textures: array<Texture>;
-@group(1) @binding(8) var<storage, read> texels: array<u32>;
+// Four entries a triangle.
+@group(1) @binding(2) var triangles: texture_2d<u32>;
+// Lux, one entry a lattice point.
+@group(1) @binding(3) var irradiance: texture_2d<f32>;
+// Linear Rec. 709 as bits, and the number of the texture or NONE.
+@group(1) @binding(4) var materials: texture_2d<u32>;
+// Candela.
+@group(1) @binding(5) var cube_maps: texture_2d<f32>;
+@group(1) @binding(6) var uvs: texture_2d<f32>;
+@group(1) @binding(7) var textures: texture_2d<u32>;
+@group(1) @binding(8) var texels: texture_2d<u32>;
 
+fn triangle_of(id: u32) -> Triangle {
+    let a = textureLoad(triangles, entry(4u * id), 0);
+    let b = textureLoad(triangles, entry(4u * id + 1u), 0);
+    let c = textureLoad(triangles, entry(4u * id + 2u), 0);
+    let normal = textureLoad(triangles, entry(4u * id + 3u), 0);
+    return Triangle(bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz), bitcast<vec3f>(normal.xyz), a.w, b.w, c.w, normal.w);
+}
+
+struct Covered {
+    @invariant @builtin(position) position: vec4f,
+}
+
+// All pixels.
 @vertex
-fn cover(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    return whole_picture(vertex);
+fn cover(@builtin(vertex_index) vertex: u32) -> Covered {
+    return Covered(whole_picture(vertex));
+}
+
+// Those that see a certain triangle: as in the prepass, to the bit.
+@vertex
+fn place(@location(0) position: vec3f) -> Covered {
+    return Covered(project(position - frame.eye, 1.0));
 }
 
 fn ray_through(at: vec2f) -> vec3f {
@@ -102,7 +120,11 @@ fn indirect(triangle: Triangle, first: u32, at: vec2f) -> vec3f {
 }
 
 fn point_irradiance(point: u32) -> vec3f {
-    return vec3f(irradiance[3u * point], irradiance[3u * point + 1u], irradiance[3u * point + 2u]);
+    return textureLoad(irradiance, entry(point), 0).rgb;
+}
+
+fn sample_of(k: u32) -> f32 {
+    return textureLoad(cube_maps, entry(k), 0).r;
 }
 
 // The factor of a lamp's intensity towards a direction: its cube map's candela. `goniometric.rs` is the twin.
@@ -128,16 +150,33 @@ fn candela(lamp: Lamp, away: vec3f) -> f32 {
     let side = lamp.intervals + 1u;
     let face = 2u * axis + select(0u, 1u, along < 0.0);
     let k = lamp.map + (face * side + u32(low.y)) * side + u32(low.x);
-    let value = mix(mix(cube_maps[k], cube_maps[k + 1u], f.x), mix(cube_maps[k + side], cube_maps[k + side + 1u], f.x), f.y);
+    let value = mix(mix(sample_of(k), sample_of(k + 1u), f.x), mix(sample_of(k + side), sample_of(k + side + 1u), f.x), f.y);
     let cosine = -d.z * inverseSqrt(dot(d, d));
     return select(0.0, value, cosine >= lamp.last && cosine <= lamp.first);
 }
 
+// Light of a lamp at a point given from a corner of its triangle, as if nothing stood in between.
+fn direct(lamp: Lamp, corner: vec3f, from_corner: vec3f, normal: vec3f) -> vec3f {
+    let to_lamp = (lamp.position - corner) - from_corner;
+    let facing = dot(normal, to_lamp);
+    let squared = dot(to_lamp, to_lamp);
+    var power = max(facing, 0.0) * inverseSqrt(squared) / squared;
+    if GONIOMETRIC && lamp.map != NONE {
+        power *= candela(lamp, -to_lamp);
+    }
+    return lamp.intensity * power;
+}
+
+// A texel's place in a repeated image, from at most one image away: integer division is slow where it is done in software.
+fn repeated(k: i32, count: i32) -> u32 {
+    return u32(k + select(0, count, k < 0) - select(0, count, k >= count));
+}
+
 // A texel in linear light: square roots in 11, 11 and 10 bits. `textures.rs` is the twin.
 fn texel(first: u32, width: u32, height: u32, x: i32, y: i32) -> vec3f {
-    let column = u32((x % i32(width) + i32(width)) % i32(width));
-    let row = u32((y % i32(height) + i32(height)) % i32(height));
-    let packed = texels[first + row * width + column];
+    let column = repeated(x, i32(width));
+    let row = repeated(y, i32(height));
+    let packed = textureLoad(texels, entry(first + row * width + column), 0).r;
     let root = vec3f(f32(packed & 2047u) / 2047.0, f32(packed >> 11u & 2047u) / 2047.0, f32(packed >> 22u) / 1023.0);
     return root * root;
 }
@@ -170,7 +209,10 @@ fn trilinear(texture: Texture, level: f32, uv: vec2f) -> vec3f {
 }
 
 fn uv_at(triangle: u32, at: vec2f) -> vec2f {
-    return uvs[3u * triangle] * (1.0 - at.x - at.y) + uvs[3u * triangle + 1u] * at.x + uvs[3u * triangle + 2u] * at.y;
+    let a = textureLoad(uvs, entry(3u * triangle), 0).xy;
+    let b = textureLoad(uvs, entry(3u * triangle + 1u), 0).xy;
+    let c = textureLoad(uvs, entry(3u * triangle + 2u), 0).xy;
+    return a * (1.0 - at.x - at.y) + b * at.x + c * at.y;
 }
 
 // The texture's mean over the pixel: up to 8 samples along the longer side of its footprint (McCormack et al. 1999, simplified).
@@ -211,7 +253,7 @@ fn compose(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let seen = textureLoad(ids, pixel, 0).r;
     // Where nothing is seen, triangle 0 is looked at for nothing, and the result is dropped.
     let id = max(seen, 1u) - 1u;
-    let triangle = triangles[id];
+    let triangle = triangle_of(id);
     let ray = ray_through(position.xy);
     let at = inside(weights(triangle, ray));
     let from_back = dot(triangle.normal, ray) > 0.0;
@@ -221,34 +263,27 @@ fn compose(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var sum = vec3f(0.0);
     if (frame.parts & INDIRECT) != 0u {
         let first = select(triangle.front, triangle.back, from_back);
-        // A loop of at most one turn: drivers without branches skip it where no pixel at hand needs it.
-        for (var turn = select(1u, 0u, first == NONE); turn > 0u; turn--) {
+        if first != NONE {
             sum += indirect(triangle, first, at);
         }
     }
     if (frame.parts & DIRECT) != 0u {
-        for (var l = 0u; l < frame.lamps; l++) {
-            let lamp = lamps[l];
-            let to_lamp = (lamp.position - triangle.a) - from_a;
-            let facing = dot(normal, to_lamp);
-            let mask = textureLoad(masks, pixel, l / 4u, 0)[l % 4u];
-            for (var turn = select(0u, 1u, facing > 0.0 && mask > 0.0); turn > 0u; turn--) {
-                let squared = dot(to_lamp, to_lamp);
-                var power = mask * facing * inverseSqrt(squared) / squared;
-                if GONIOMETRIC && lamp.map != NONE {
-                    power *= candela(lamp, -to_lamp);
-                }
-                sum += lamp.intensity * power;
+        if LAMPS > 0u {
+            for (var l = 0u; l < LAMPS; l++) {
+                sum += select(vec3f(0.0), direct(lamps[l], triangle.a, from_a, normal), textureLoad(masks, pixel, l / 4u, 0)[l % 4u] > 0.0);
+            }
+        } else {
+            for (var l = 0u; l < frame.lamps; l++) {
+                sum += select(vec3f(0.0), direct(lamps[l], triangle.a, from_a, normal), textureLoad(masks, pixel, l / 4u, 0)[l % 4u] > 0.0);
             }
         }
     }
     if (frame.parts & REFLECTED) != 0u {
-        let material = materials[triangle.material];
-        var reflectance = material.reflectance;
-        if TEXTURED {
-            for (var turn = select(1u, 0u, material.texture == NONE); turn > 0u; turn--) {
-                reflectance *= textured(id, triangle, textures[material.texture], position.xy, at);
-            }
+        let material = textureLoad(materials, entry(triangle.material), 0);
+        var reflectance = bitcast<vec3f>(material.rgb);
+        if TEXTURED && material.a != NONE {
+            let texture = textureLoad(textures, entry(material.a), 0);
+            reflectance *= textured(id, triangle, Texture(texture.x, texture.y, texture.z, texture.w), position.xy, at);
         }
         sum *= reflectance * INVERSE_PI;
     }

@@ -36,6 +36,16 @@ pub enum RasterError {
         /// Pixels, the driver's limit.
         most: u32,
     },
+    /// More lamps than shaders can hold.
+    #[error(
+        "{lamps} lamps are lit whose direct light the rasteriser draws, more than {most}; give some of them `direct: photons`"
+    )]
+    Lamps {
+        /// How many.
+        lamps: usize,
+        /// How many can be drawn.
+        most: usize,
+    },
     /// Too much for the device's memory.
     #[error("{what} needs {bytes} bytes, more than the {most} that {driver} can hold in one buffer")]
     TooLarge {
@@ -156,7 +166,8 @@ impl Device {
     pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, RasterError> {
         let limits = self.device.limits();
         let storage = usage.contains(wgpu::BufferUsages::STORAGE);
-        let most = if storage { limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) } else { limits.max_buffer_size };
+        let most =
+            if storage { limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) } else { limits.max_buffer_size };
         if bytes > most {
             return Err(RasterError::TooLarge { what, bytes, most, driver: self.name.clone() });
         }

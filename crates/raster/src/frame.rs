@@ -4,6 +4,7 @@ use crate::{
     camera::Camera,
     device::{Device, RasterError},
     goniometric::{CubeMap, FINEST},
+    table::Table,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
@@ -91,10 +92,15 @@ pub struct Lamps {
     /// Of [`GpuLamp`]s.
     pub buffer: wgpu::Buffer,
     /// Candela.
-    pub cube_maps: wgpu::Buffer,
+    pub cube_maps: Table,
     /// What could not be done as the files say.
     pub warnings: Vec<String>,
 }
+
+const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// Lamps that can be drawn; the same in `frame.wgsl`. They fit the uniform buffer that every driver has.
+const MOST_LAMPS: usize = 640;
 
 /// Makes the finest maps coarser until all together have no more than `most` samples.
 fn coarsen(maps: &mut [(Arc<Photometry>, CubeMap, u32)], most: u64) {
@@ -107,12 +113,11 @@ fn coarsen(maps: &mut [(Arc<Photometry>, CubeMap, u32)], most: u64) {
     }
 }
 
-const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
-
 impl Lamps {
     /// None yet.
     pub fn new(device: &Device) -> Result<Lamps, RasterError> {
-        let [buffer, cube_maps] = [device.buffer("lamps", 0, STORAGE)?, device.buffer("cube maps", 0, STORAGE)?];
+        let buffer = device.buffer("lamps", (MOST_LAMPS * size_of::<GpuLamp>()) as u64, wgpu::BufferUsages::UNIFORM)?;
+        let cube_maps = Table::new(device, "cube maps", 0, SAMPLES)?;
         Ok(Lamps { drawn: Vec::new(), maps: Vec::new(), buffer, cube_maps, warnings: Vec::new() })
     }
 
@@ -126,6 +131,9 @@ impl Lamps {
         let drawn = configuration.lamps().filter(|(_, lamp)| lamp.lit && lamp.direct == Direct::Rasteriser);
         let mut drawn: Vec<_> = drawn.collect();
         drawn.sort_by(|a, b| a.1.name.cmp(&b.1.name));
+        if drawn.len() > MOST_LAMPS {
+            return Err(RasterError::Lamps { lamps: drawn.len(), most: MOST_LAMPS });
+        }
         let photometry = |id: usize| configuration.lamp(id).photometry.as_ref();
         self.drawn = drawn
             .iter()
@@ -150,13 +158,13 @@ impl Lamps {
         }
         if !new.is_empty() || unused {
             self.maps.retain(|(known, ..)| in_use(known));
-            coarsen(&mut self.maps, device.device.limits().max_storage_buffer_binding_size / 4);
+            coarsen(&mut self.maps, Table::most(device));
             let mut samples: Vec<f32> = Vec::new();
             for (_, map, first) in &mut self.maps {
                 *first = samples.len() as u32;
                 samples.extend(&map.candela);
             }
-            self.cube_maps = device.filled("cube maps", bytemuck::cast_slice(&samples), STORAGE)?;
+            self.cube_maps = Table::filled(device, "cube maps", &samples, SAMPLES)?;
         }
         for (name, photometry) in &new {
             let map = self.maps.iter().find(|(known, map, _)| Arc::ptr_eq(known, photometry) && map.bad());
@@ -185,11 +193,7 @@ impl Lamps {
                 }
             })
             .collect();
-        let content: &[u8] = bytemuck::cast_slice(&gpu);
-        if content.len() as u64 > self.buffer.size() {
-            self.buffer = device.buffer("lamps", content.len() as u64, STORAGE)?;
-        }
-        device.queue.write_buffer(&self.buffer, 0, content);
+        device.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&gpu));
         Ok(())
     }
 }

@@ -37,7 +37,12 @@ struct Lamp {
 const NONE = 0xffffffffu;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> lamps: array<Lamp>;
+@group(0) @binding(1) var<uniform> lamps: array<Lamp, 640>;
+
+// Where entry k of a table is; `table.rs` is the twin.
+fn entry(k: u32) -> vec2u {
+    return vec2u(k & 2047u, k >> 11u);
+}
 
 // A point (w = 1) or direction (w = 0) relative to the eye, in clip space: depth is near / distance.
 fn project(d: vec3f, w: f32) -> vec4f {

@@ -4,6 +4,7 @@
 use crate::{
     device::{Device, RasterError},
     frame::NONE,
+    table::Table,
     textures::Textures,
     volume::Caster,
     welded::Welded,
@@ -13,6 +14,7 @@ use glam::{DVec3, Vec3};
 use lightmend_scene::{Configuration, Lattice, Mesh, Motion, Object};
 use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
+use wgpu::TextureFormat;
 
 /// A corner of a triangle that is drawn.
 #[repr(C)]
@@ -52,6 +54,8 @@ pub struct Thing {
     pub name: String,
     /// Cameras look through it.
     pub hidden: bool,
+    /// Whether anything of it has a texture.
+    pub textured: bool,
     /// Its surface in the world.
     pub caster: Caster,
     /// Changes when it moves.
@@ -66,6 +70,52 @@ pub struct Thing {
     first_material: u32,
 }
 
+impl Thing {
+    fn prepass_vertices(&self) -> Vec<PrepassVertex> {
+        let corner = |v: u32| self.caster.positions[v as usize].as_vec3().to_array();
+        let faces = self.caster.welded.faces.iter();
+        let vertices = faces.flat_map(|face| {
+            let triangle = self.first_triangle + face.source;
+            face.corners.map(|v| PrepassVertex { position: corner(v), triangle })
+        });
+        vertices.collect()
+    }
+
+    fn volume_vertices(&self) -> Vec<[f32; 4]> {
+        let pair = |p: &DVec3| {
+            let [x, y, z] = p.as_vec3().to_array();
+            [[x, y, z, 1.0], [x, y, z, 0.0]]
+        };
+        self.caster.positions.iter().flat_map(pair).collect()
+    }
+
+    /// `lit` is the first irradiance of the front and of the back.
+    fn triangles(&self, lit: [u32; 2]) -> Vec<GpuTriangle> {
+        let (mesh, lattice) = (&self.object.mesh, &self.object.lattice);
+        let corners: Vec<Vec3> = mesh.positions.iter().map(|p| self.motion.point(*p).as_vec3()).collect();
+        let mut points = 0;
+        let triangle = |t: usize| {
+            let [a, b, c] = mesh.triangles[t].map(|i| corners[i as usize]);
+            let [da, db, dc] = [a, b, c].map(|v| v.as_dvec3());
+            // In f64, so that slivers have a normal: the same as the photons'.
+            let normal = (db - da).cross(dc - da).normalize_or_zero().as_vec3();
+            let [front, back] = lit.map(|first| if first == NONE { NONE } else { first + points });
+            points += points_in(lattice, t);
+            GpuTriangle {
+                a: a.to_array(),
+                material: self.first_material + u32::from(mesh.material_of[t]),
+                b: b.to_array(),
+                divisions: lattice.divisions(t),
+                c: c.to_array(),
+                front,
+                normal: normal.to_array(),
+                back,
+            }
+        };
+        (0..mesh.triangles.len()).map(triangle).collect()
+    }
+}
+
 /// Indirect light: per object by number and side (front, back), lux per linear Rec. 709 channel at the lattice points in order;
 /// nothing where no light ever came.
 pub type Indirect = Vec<[Option<Vec<[f32; 3]>>; 2]>;
@@ -77,23 +127,22 @@ pub struct Geometry {
     /// Number of the first source triangle of each thing, and one past the last.
     pub firsts: Vec<u32>,
     welded: Vec<(Arc<Mesh>, Arc<Welded>)>,
-    textures: Textures,
     /// Vertices of the prepass.
     pub prepass: wgpu::Buffer,
     /// Vertices of shadow volumes, in pairs.
     pub volume: wgpu::Buffer,
     /// Source triangles.
-    pub triangles: wgpu::Buffer,
+    pub triangles: Table,
     /// Materials of all things.
-    pub materials: wgpu::Buffer,
+    pub materials: Table,
     /// Texture coordinates of the triangles' corners; next to nothing without textures.
-    pub uvs: wgpu::Buffer,
+    pub uvs: Table,
     /// Where textures lie.
-    pub texture_entries: wgpu::Buffer,
+    pub texture_entries: Table,
     /// Texels.
-    pub texels: wgpu::Buffer,
+    pub texels: Table,
     /// Indirect light.
-    pub irradiance: wgpu::Buffer,
+    pub irradiance: Table,
     /// First lattice point of each side of each thing, where it is lit.
     lit: Vec<[u32; 2]>,
     /// Of the last thing that moved.
@@ -102,7 +151,9 @@ pub struct Geometry {
     pub warnings: Vec<String>,
 }
 
-const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE;
+/// Of all textures together: 256 MB.
+const MOST_TEXELS: usize = 1 << 26;
+
 const VERTEX: wgpu::BufferUsages = wgpu::BufferUsages::VERTEX;
 
 fn points_in(lattice: &Lattice, t: usize) -> u32 {
@@ -121,35 +172,28 @@ impl Geometry {
             things: Vec::new(),
             firsts: vec![0],
             welded: Vec::new(),
-            textures: Textures::default(),
             prepass: device.buffer("vertices", 0, VERTEX)?,
             volume: device.buffer("vertices of shadow volumes", 0, VERTEX)?,
-            triangles: device.buffer("triangles", 0, STORAGE)?,
-            materials: device.buffer("materials", 0, STORAGE)?,
-            uvs: device.buffer("texture coordinates", 0, STORAGE)?,
-            texture_entries: device.buffer("textures", 0, STORAGE)?,
-            texels: device.buffer("texels", 0, STORAGE)?,
-            irradiance: device.buffer("indirect light", 0, STORAGE)?,
+            triangles: Table::new(device, "triangles", 0, TextureFormat::Rgba32Uint)?,
+            materials: Table::new(device, "materials", 0, TextureFormat::Rgba32Uint)?,
+            uvs: Table::new(device, "texture coordinates", 0, TextureFormat::Rg32Float)?,
+            texture_entries: Table::new(device, "textures", 0, TextureFormat::Rgba32Uint)?,
+            texels: Table::new(device, "texels", 0, TextureFormat::R32Uint)?,
+            irradiance: Table::new(device, "indirect light", 0, TextureFormat::Rgba32Float)?,
             lit: Vec::new(),
             version: 0,
             warnings: Vec::new(),
         })
     }
 
-    /// Whether anything has a texture.
-    pub fn textured(&self) -> bool {
-        !self.textures.entries.is_empty()
-    }
-
-    /// From now on the objects of `configuration` stand here. Returns whether buffers were replaced.
-    pub fn show(&mut self, device: &Device, configuration: &Configuration) -> Result<bool, RasterError> {
+    /// From now on the objects of `configuration` stand here.
+    pub fn show(&mut self, device: &Device, configuration: &Configuration) -> Result<(), RasterError> {
         let present: Vec<(usize, &Object)> = configuration.objects().collect();
         let same = |(thing, (id, object)): (&Thing, &(usize, &Object))| {
             thing.id == *id && Arc::ptr_eq(&thing.object.mesh, &object.mesh) && thing.hidden == object.hidden_from_camera
         };
         if self.things.len() != present.len() || !self.things.iter().zip(&present).all(same) {
-            self.rebuild(device, configuration, &present)?;
-            return Ok(true);
+            return self.rebuild(device, configuration, &present);
         }
         let mut repainted = false;
         for number in 0..self.things.len() {
@@ -162,10 +206,7 @@ impl Geometry {
             repainted |= self.things[number].object.materials.iter().zip(&object.materials).any(painted);
             self.things[number].object = object.clone();
         }
-        if repainted {
-            self.paint(device)?;
-        }
-        Ok(repainted)
+        if repainted { self.paint(device) } else { Ok(()) }
     }
 
     fn weld(&mut self, present: &[(usize, &Object)]) -> Vec<Arc<Welded>> {
@@ -184,7 +225,12 @@ impl Geometry {
         present.iter().filter_map(|(_, object)| known(&self.welded, &object.mesh)).collect()
     }
 
-    fn rebuild(&mut self, device: &Device, configuration: &Configuration, present: &[(usize, &Object)]) -> Result<(), RasterError> {
+    fn rebuild(
+        &mut self,
+        device: &Device,
+        configuration: &Configuration,
+        present: &[(usize, &Object)],
+    ) -> Result<(), RasterError> {
         let shapes = self.weld(present);
         let (mut vertices, mut pairs, mut triangles, mut materials) = (0u32, 0u32, 0u32, 0u32);
         self.firsts = vec![0];
@@ -199,6 +245,7 @@ impl Geometry {
                     id: *id,
                     name: object.name.clone(),
                     hidden: object.hidden_from_camera,
+                    textured: false,
                     version: self.version,
                     vertices: vertices..vertices + 3 * welded.faces.len() as u32,
                     first_vertex: pairs,
@@ -219,142 +266,94 @@ impl Geometry {
         let bytes = |count: u32, size: usize| u64::from(count) * size as u64;
         self.prepass = device.buffer("vertices", bytes(vertices, size_of::<PrepassVertex>()), VERTEX)?;
         self.volume = device.buffer("vertices of shadow volumes", bytes(2 * pairs, 16), VERTEX)?;
-        self.triangles = device.buffer("triangles", bytes(triangles, size_of::<GpuTriangle>()), STORAGE)?;
+        self.triangles = Table::new(device, "triangles", 4 * u64::from(triangles), TextureFormat::Rgba32Uint)?;
         self.lit = vec![[NONE; 2]; self.things.len()];
-        self.paint(device)?;
-        for number in 0..self.things.len() {
-            self.place(device, number, self.things[number].motion);
-        }
-        Ok(())
+        let things = &self.things;
+        let all: Vec<PrepassVertex> = things.iter().flat_map(Thing::prepass_vertices).collect();
+        device.queue.write_buffer(&self.prepass, 0, bytemuck::cast_slice(&all));
+        let all: Vec<[f32; 4]> = things.iter().flat_map(Thing::volume_vertices).collect();
+        device.queue.write_buffer(&self.volume, 0, bytemuck::cast_slice(&all));
+        let all: Vec<GpuTriangle> = things.iter().flat_map(|thing| thing.triangles([NONE; 2])).collect();
+        self.triangles.write(device, 0, bytemuck::cast_slice(&all));
+        self.paint(device)
     }
 
     /// Writes all materials and textures.
     fn paint(&mut self, device: &Device) -> Result<(), RasterError> {
-        let most = (device.device.limits().max_storage_buffer_binding_size / 4) as usize;
+        let most = MOST_TEXELS;
         let mut textures = Textures::default();
         let mut materials: Vec<GpuMaterial> = Vec::new();
-        for thing in &self.things {
-            materials.extend(thing.object.materials.iter().map(|m| GpuMaterial {
-                reflectance: m.reflectance.to_array(),
-                texture: textures.maybe(&m.texture, most),
-            }));
+        for thing in &mut self.things {
+            thing.textured = thing.object.materials.iter().any(|m| m.texture.is_some());
+            materials.extend(
+                thing
+                    .object
+                    .materials
+                    .iter()
+                    .map(|m| GpuMaterial { reflectance: m.reflectance.to_array(), texture: textures.maybe(&m.texture, most) }),
+            );
         }
         if textures.halvings > 0 {
-            self.warnings.push("the textures are more than the driver can hold: the largest are drawn coarser".into());
+            self.warnings.push("the textures have more than 2^26 texels together: the last ones are drawn coarser".into());
         }
-        self.materials = device.filled("materials", bytemuck::cast_slice(&materials), STORAGE)?;
+        self.materials = Table::filled(device, "materials", &materials, TextureFormat::Rgba32Uint)?;
         if !textures.entries.is_empty() {
             let corners = self.things.iter().flat_map(|thing| {
                 let mesh = &thing.object.mesh;
-                (0..mesh.triangles.len()).flat_map(|t| mesh.uvs.get(t).copied().unwrap_or_default().map(|uv| uv.as_vec2().to_array()))
+                (0..mesh.triangles.len())
+                    .flat_map(|t| mesh.uvs.get(t).copied().unwrap_or_default().map(|uv| uv.as_vec2().to_array()))
             });
             let corners: Vec<[f32; 2]> = corners.collect();
-            self.uvs = device.filled("texture coordinates", bytemuck::cast_slice(&corners), STORAGE)?;
-            self.texture_entries = device.filled("textures", bytemuck::cast_slice(&textures.entries), STORAGE)?;
-            self.texels = device.filled("texels", bytemuck::cast_slice(&textures.texels), STORAGE)?;
+            self.uvs = Table::filled(device, "texture coordinates", &corners, TextureFormat::Rg32Float)?;
+            self.texture_entries = Table::filled(device, "textures", &textures.entries, TextureFormat::Rgba32Uint)?;
+            self.texels = Table::filled(device, "texels", &textures.texels, TextureFormat::R32Uint)?;
         }
-        textures.texels = Vec::new();
-        self.textures = textures;
         Ok(())
     }
 
     /// Puts a thing where it now stands.
     fn place(&mut self, device: &Device, number: usize, motion: Motion) {
+        self.version += 1;
         let thing = &mut self.things[number];
-        let moved = thing.motion != motion;
-        if moved {
-            let positions = world_positions(&thing.caster.welded.positions, &motion);
-            thing.caster = Caster::new(thing.caster.welded.clone(), positions);
-            thing.motion = motion;
-            self.version += 1;
-            thing.version = self.version;
-        }
-        let caster = &thing.caster;
-        let corner = |v: u32| caster.positions[v as usize].as_vec3().to_array();
-        let vertices: Vec<PrepassVertex> = caster
-            .welded
-            .faces
-            .iter()
-            .flat_map(|face| {
-                let triangle = thing.first_triangle + face.source;
-                face.corners.map(|v| PrepassVertex { position: corner(v), triangle })
-            })
-            .collect();
+        let positions = world_positions(&thing.caster.welded.positions, &motion);
+        thing.caster = Caster::new(thing.caster.welded.clone(), positions);
+        (thing.motion, thing.version) = (motion, self.version);
+        let thing = &self.things[number];
         let offset = u64::from(thing.vertices.start) * size_of::<PrepassVertex>() as u64;
-        device.queue.write_buffer(&self.prepass, offset, bytemuck::cast_slice(&vertices));
-        let pairs: Vec<[f32; 4]> = caster
-            .positions
-            .iter()
-            .flat_map(|p| {
-                let [x, y, z] = p.as_vec3().to_array();
-                [[x, y, z, 1.0], [x, y, z, 0.0]]
-            })
-            .collect();
-        device.queue.write_buffer(&self.volume, u64::from(thing.first_vertex) * 32, bytemuck::cast_slice(&pairs));
+        device.queue.write_buffer(&self.prepass, offset, bytemuck::cast_slice(&thing.prepass_vertices()));
+        let offset = u64::from(thing.first_vertex) * 32;
+        device.queue.write_buffer(&self.volume, offset, bytemuck::cast_slice(&thing.volume_vertices()));
         self.write_triangles(device, number);
     }
 
     fn write_triangles(&self, device: &Device, number: usize) {
         let thing = &self.things[number];
-        let (mesh, lattice) = (&thing.object.mesh, &thing.object.lattice);
-        let corners: Vec<Vec3> = mesh.positions.iter().map(|p| thing.motion.point(*p).as_vec3()).collect();
-        let mut points = 0;
-        let triangles: Vec<GpuTriangle> = (0..mesh.triangles.len())
-            .map(|t| {
-                let [a, b, c] = mesh.triangles[t].map(|i| corners[i as usize]);
-                let [da, db, dc] = [a, b, c].map(|v| v.as_dvec3());
-                let normal = (db - da).cross(dc - da).normalize_or_zero().as_vec3();
-                let [front, back] = self.lit[number].map(|first| if first == NONE { NONE } else { first + points });
-                points += points_in(lattice, t);
-                GpuTriangle {
-                    a: a.to_array(),
-                    material: thing.first_material + u32::from(mesh.material_of[t]),
-                    b: b.to_array(),
-                    divisions: lattice.divisions(t),
-                    c: c.to_array(),
-                    front,
-                    normal: normal.to_array(),
-                    back,
-                }
-            })
-            .collect();
-        let offset = u64::from(thing.first_triangle) * size_of::<GpuTriangle>() as u64;
-        device.queue.write_buffer(&self.triangles, offset, bytemuck::cast_slice(&triangles));
+        let triangles = thing.triangles(self.lit[number]);
+        self.triangles.write(device, 4 * u64::from(thing.first_triangle), bytemuck::cast_slice(&triangles));
     }
 
-    /// From now on this indirect light is drawn. Sides that have none cost nothing. Returns whether buffers were replaced.
-    pub fn light(&mut self, device: &Device, indirect: &Indirect) -> Result<bool, RasterError> {
-        let mut next = 0u32;
-        let mut replaced = false;
+    /// From now on this indirect light is drawn. Sides that have none cost nothing.
+    pub fn light(&mut self, device: &Device, indirect: &Indirect) -> Result<(), RasterError> {
         let sides = |id: usize| indirect.get(id).map_or([None, None], |sides| sides.each_ref().map(Option::as_ref));
-        let places: Vec<[u32; 2]> = self
-            .things
-            .iter()
-            .map(|thing| {
-                sides(thing.id).map(|points| {
-                    points.map_or(NONE, |points| {
-                        next += points.len() as u32;
-                        next - points.len() as u32
-                    })
-                })
-            })
-            .collect();
-        if u64::from(next) * 12 > self.irradiance.size() {
-            self.irradiance = device.buffer("indirect light", u64::from(next) * 12, STORAGE)?;
-            replaced = true;
-        }
+        let mut all: Vec<[f32; 4]> = Vec::new();
         for number in 0..self.things.len() {
-            for (points, first) in sides(self.things[number].id).into_iter().zip(places[number]) {
-                if let Some(points) = points {
-                    device.queue.write_buffer(&self.irradiance, u64::from(first) * 12, bytemuck::cast_slice(points));
-                }
-            }
-            if self.lit[number] != places[number] {
-                self.lit[number] = places[number];
+            let places = sides(self.things[number].id).map(|points| {
+                points.map_or(NONE, |points| {
+                    let first = all.len() as u32;
+                    all.extend(points.iter().map(|[r, g, b]| [*r, *g, *b, 0.0]));
+                    first
+                })
+            });
+            if self.lit[number] != places {
+                self.lit[number] = places;
                 self.write_triangles(device, number);
             }
         }
-        Ok(replaced)
+        if all.len() as u64 > self.irradiance.entries() {
+            self.irradiance = Table::new(device, "indirect light", all.len() as u64, TextureFormat::Rgba32Float)?;
+        }
+        self.irradiance.write(device, 0, bytemuck::cast_slice(&all));
+        Ok(())
     }
 
     /// The object and its triangle that number `triangle` among all is.

@@ -6,7 +6,7 @@
 //! 2. *Shadow volumes* into the stencil, lamp by lamp ([`shadow`], [`volume`], [`welded`]), of what can fall into the picture ([`bounds`]).
 //! 3. What is lit goes into one channel of an RGBA *mask*, four lamps to a mask ([`targets`]).
 //! 4. *Composition* ([`composition`], `composition.wgsl`): indirect light, interpolated over the mesh elements, plus every lamp's
-//!    ([`frame`]) light by its goniometric diagram ([`goniometric`]) times its mask, times what the surface reflects ([`textures`]).
+//!    ([`frame`]) light by its goniometric diagram ([`goniometric`]) times its mask, times what the surface reflects ([`textures`]); looked up in [`table`]s.
 //! 5. *Exposure and tone curve*, or false colours ([`tone`]).
 //!
 //! ```no_run
@@ -31,6 +31,7 @@ pub mod goniometric;
 mod pipelines;
 pub mod renderer;
 pub mod shadow;
+pub mod table;
 pub mod targets;
 pub mod textures;
 pub mod timing;

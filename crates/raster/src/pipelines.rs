@@ -4,7 +4,7 @@ use crate::{
     composition::Variant,
     device::Device,
     shadow::Count,
-    targets::{DEPTH, IDS, LIGHT, MASKS, PICTURE},
+    targets::{DEPTH, IDS, LIGHT, MASKS, MEASURED, PICTURE},
 };
 use wgpu::{
     BindGroupLayout, BindingType, BufferBindingType, ColorWrites, CompareFunction, RenderPipeline, ShaderModule, ShaderStages,
@@ -14,14 +14,6 @@ use wgpu::{
 /// A uniform buffer.
 pub const UNIFORM: BindingType =
     BindingType::Buffer { ty: BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
-
-/// A storage buffer that is only read.
-pub const READ: BindingType =
-    BindingType::Buffer { ty: BufferBindingType::Storage { read_only: true }, has_dynamic_offset: false, min_binding_size: None };
-
-/// A storage buffer that is written.
-pub const WRITE: BindingType =
-    BindingType::Buffer { ty: BufferBindingType::Storage { read_only: false }, has_dynamic_offset: false, min_binding_size: None };
 
 /// A texture that is read texel by texel.
 pub const fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
@@ -65,8 +57,8 @@ pub struct Recipe<'a> {
     pub functions: [&'a str; 2],
     /// Bind groups.
     pub groups: &'a [&'a BindGroupLayout],
-    /// Size of a vertex, and its attributes; none if vertices are made from their number.
-    pub vertices: Option<(u64, &'a [wgpu::VertexAttribute])>,
+    /// What vertices are made of; nothing if they are made from their number.
+    pub vertices: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     /// Which winding is a front.
     pub front: wgpu::FrontFace,
     /// Depth and stencil.
@@ -86,13 +78,6 @@ impl Recipe<'_> {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let buffers: Vec<Option<wgpu::VertexBufferLayout>> = self
-            .vertices
-            .iter()
-            .map(|(array_stride, attributes)| {
-                Some(wgpu::VertexBufferLayout { array_stride: *array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
-            })
-            .collect();
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
         let [vertex, fragment] = self.functions;
         device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -102,7 +87,7 @@ impl Recipe<'_> {
                 module: self.module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                buffers: &buffers,
+                buffers: self.vertices,
             },
             primitive: wgpu::PrimitiveState { front_face: self.front, ..Default::default() },
             depth_stencil: self.depth.clone(),
@@ -130,6 +115,19 @@ fn read_depth(compare: CompareFunction, front: StencilFaceState, back: StencilFa
     }
 }
 
+/// Vertices of the prepass: position, number of the triangle.
+const PLACES: [Option<wgpu::VertexBufferLayout>; 1] =
+    [stepped(16, wgpu::VertexStepMode::Vertex, &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32])];
+
+/// A buffer of vertices, or of what all vertices of one instance share.
+const fn stepped(
+    array_stride: u64,
+    step_mode: wgpu::VertexStepMode,
+    attributes: &[wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
+}
+
 /// All pipelines, and the layouts of what they are given.
 pub struct Pipelines {
     /// Camera and lamps.
@@ -138,10 +136,6 @@ pub struct Pipelines {
     pub shading: BindGroupLayout,
     /// What the tone passes read.
     pub toning: BindGroupLayout,
-    /// What development reads.
-    pub developing: BindGroupLayout,
-    /// The measured exposure.
-    pub measured: BindGroupLayout,
     /// Depth prepass.
     pub prepass: RenderPipeline,
     volumes: [RenderPipeline; 3],
@@ -149,7 +143,7 @@ pub struct Pipelines {
     composition_module: ShaderModule,
     compositions: Vec<(Variant, RenderPipeline)>,
     /// Exposure of tiles, then of the picture.
-    pub measure: [wgpu::ComputePipeline; 2],
+    pub measure: [RenderPipeline; 2],
     /// Tone curve.
     pub develop: RenderPipeline,
 }
@@ -157,11 +151,7 @@ pub struct Pipelines {
 impl Pipelines {
     /// All but composition, which depends on what a scene has.
     pub fn new(device: &Device) -> Pipelines {
-        let frame = layout(
-            device,
-            "frame",
-            &[(ShaderStages::VERTEX_FRAGMENT, UNIFORM), (ShaderStages::VERTEX_FRAGMENT, READ)],
-        );
+        let frame = layout(device, "frame", &[(ShaderStages::VERTEX_FRAGMENT, UNIFORM), (ShaderStages::FRAGMENT, UNIFORM)]);
         let fragment = ShaderStages::FRAGMENT;
         let shading = layout(
             device,
@@ -169,33 +159,23 @@ impl Pipelines {
             &[
                 (fragment, texture(TextureSampleType::Uint, TextureViewDimension::D2)),
                 (fragment, texture(FLOAT, TextureViewDimension::D2Array)),
-                (fragment, READ),
-                (fragment, READ),
-                (fragment, READ),
-                (fragment, READ),
-                (fragment, READ),
-                (fragment, READ),
-                (fragment, READ),
+                (fragment, texture(TextureSampleType::Uint, TextureViewDimension::D2)),
+                (fragment, texture(FLOAT, TextureViewDimension::D2)),
+                (fragment, texture(TextureSampleType::Uint, TextureViewDimension::D2)),
+                (fragment, texture(FLOAT, TextureViewDimension::D2)),
+                (fragment, texture(FLOAT, TextureViewDimension::D2)),
+                (fragment, texture(TextureSampleType::Uint, TextureViewDimension::D2)),
+                (fragment, texture(TextureSampleType::Uint, TextureViewDimension::D2)),
             ],
         );
-        let both = ShaderStages::FRAGMENT.union(ShaderStages::COMPUTE);
-        let toning = layout(
-            device,
-            "tone",
-            &[(both, UNIFORM), (both, texture(FLOAT, TextureViewDimension::D2)), (ShaderStages::COMPUTE, WRITE)],
-        );
-        let developing = layout(
-            device,
-            "development",
-            &[(fragment, UNIFORM), (fragment, texture(FLOAT, TextureViewDimension::D2))],
-        );
-        let measured = layout(device, "exposure", &[(fragment, READ)]);
+        let flat = texture(FLOAT, TextureViewDimension::D2);
+        let toning = layout(device, "tone", &[(fragment, UNIFORM), (fragment, flat), (fragment, flat)]);
         let plain = Recipe {
             label: "",
             module: &shader(device, "prepass", include_str!("prepass.wgsl")),
             functions: ["place", "identify"],
             groups: &[&frame],
-            vertices: None,
+            vertices: &[],
             front: wgpu::FrontFace::Ccw,
             depth: None,
             target: (IDS, ColorWrites::ALL),
@@ -203,7 +183,7 @@ impl Pipelines {
         };
         let prepass = Recipe {
             label: "prepass",
-            vertices: Some((16, &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32])),
+            vertices: &PLACES,
             depth: Some(wgpu::DepthStencilState {
                 depth_write_enabled: Some(true),
                 ..read_depth(CompareFunction::Greater, StencilFaceState::IGNORE, StencilFaceState::IGNORE)
@@ -231,7 +211,10 @@ impl Pipelines {
                 label: "shadow volume",
                 module: &shadow,
                 functions: ["throw_shadow", "count"],
-                vertices: Some((16, &wgpu::vertex_attr_array![0 => Float32x4])),
+                vertices: &[
+                    stepped(16, wgpu::VertexStepMode::Vertex, &wgpu::vertex_attr_array![0 => Float32x4]),
+                    stepped(16, wgpu::VertexStepMode::Instance, &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32]),
+                ],
                 front: winding,
                 depth: Some(read_depth(CompareFunction::Greater, front, back)),
                 target: (MASKS, ColorWrites::empty()),
@@ -241,15 +224,15 @@ impl Pipelines {
         };
         let mask = |channel: ColorWrites| {
             let zero = StencilFaceState {
-                compare: CompareFunction::Equal,
-                fail_op: StencilOperation::Zero,
+                compare: CompareFunction::NotEqual,
+                fail_op: StencilOperation::Keep,
                 depth_fail_op: StencilOperation::Zero,
                 pass_op: StencilOperation::Zero,
             };
             Recipe {
                 label: "mask",
                 module: &shadow,
-                functions: ["cover", "lit"],
+                functions: ["cover", "shaded"],
                 depth: Some(read_depth(CompareFunction::Always, zero, zero)),
                 target: (MASKS, channel),
                 ..plain.clone()
@@ -258,30 +241,19 @@ impl Pipelines {
         };
         let tone_source = wgpu::ShaderSource::Wgsl(include_str!("tone.wgsl").into());
         let tone = device.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("tone"), source: tone_source });
-        let measuring = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("exposure"),
-            bind_group_layouts: &[Some(&toning)],
-            immediate_size: 0,
-        });
-        let measure = ["measure_tile", "measure_picture"].map(|name| {
-            device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("exposure"),
-                layout: Some(&measuring),
+        let toned = |label: &'static str, format: wgpu::TextureFormat| {
+            Recipe {
+                label,
                 module: &tone,
-                entry_point: Some(name),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        });
-        let develop = Recipe {
-            label: "tone",
-            module: &tone,
-            functions: ["cover", "develop"],
-            groups: &[&developing, &measured],
-            target: (PICTURE, ColorWrites::ALL),
-            ..plain.clone()
-        }
-        .make(device);
+                functions: ["cover", label],
+                groups: &[&toning],
+                target: (format, ColorWrites::ALL),
+                ..plain.clone()
+            }
+            .make(device)
+        };
+        let measure = [toned("measure_tile", MEASURED), toned("measure_picture", MEASURED)];
+        let develop = toned("develop", PICTURE);
         let volumes = [volume(Count::Before), volume(Count::Behind), volume(Count::BehindTurned)];
         let masks = [ColorWrites::RED, ColorWrites::GREEN, ColorWrites::BLUE, ColorWrites::ALPHA].map(mask);
         let composition_module = shader(device, "composition", include_str!("composition.wgsl"));
@@ -296,8 +268,6 @@ impl Pipelines {
             frame,
             shading,
             toning,
-            developing,
-            measured,
         }
     }
 
@@ -319,15 +289,23 @@ impl Pipelines {
         let made = Recipe {
             label: "composition",
             module: &self.composition_module,
-            functions: ["cover", "compose"],
+            functions: [if variant.textured { "place" } else { "cover" }, "compose"],
             groups: &[&self.frame, &self.shading],
-            vertices: None,
+            vertices: if variant.textured { &PLACES } else { &[] },
             front: wgpu::FrontFace::Ccw,
-            depth: None,
+            depth: Some(wgpu::DepthStencilState {
+                stencil: wgpu::StencilState::default(),
+                ..read_depth(
+                    if variant.textured { CompareFunction::Equal } else { CompareFunction::Always },
+                    StencilFaceState::IGNORE,
+                    StencilFaceState::IGNORE,
+                )
+            }),
             target: (LIGHT, ColorWrites::ALL),
             constants: &[
                 ("TEXTURED", f64::from(u8::from(variant.textured))),
                 ("GONIOMETRIC", f64::from(u8::from(variant.goniometric))),
+                ("LAMPS", f64::from(variant.lamps)),
             ],
         }
         .make(device);

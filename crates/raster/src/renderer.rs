@@ -5,10 +5,10 @@ use crate::{
     composition::{Parts, Variant},
     device::{Device, RasterError},
     frame::{Frame, Lamps},
-    geometry::{Geometry, Indirect},
+    geometry::{Geometry, Indirect, Thing},
     pipelines::{Pipelines, group},
-    shadow::{Draw, Volumes},
-    targets::{Targets, mapped, read},
+    shadow::{Draw, Draws, Volumes},
+    targets::{Targets, read},
     timing::{Pass, Stopwatch, Times},
     tone::{GpuTone, Look},
 };
@@ -133,14 +133,16 @@ impl Renderer {
         };
         self.stopwatch.prepared(start.elapsed());
 
-        let variant = Variant { textured: self.geometry.textured(), goniometric: self.lamps.goniometric() };
-        let composition = self.pipelines.composition(&self.device, variant);
+        let seen = seen_vertices(&self.geometry, &camera, |_| true);
+        let textured = seen_vertices(&self.geometry, &camera, |thing| thing.textured);
+        let goniometric = self.lamps.goniometric();
+        let mut composition =
+            |textured: bool| self.pipelines.composition(&self.device, Variant::new(textured, goniometric, lamps));
+        let plain = composition(false);
+        let with_textures = (!textured.is_empty()).then(|| composition(true));
         let device = &self.device;
-        let camera_and_lamps = group(
-            device,
-            &self.pipelines.frame,
-            &[self.frame.as_entire_binding(), self.lamps.buffer.as_entire_binding()],
-        );
+        let camera_and_lamps =
+            group(device, &self.pipelines.frame, &[self.frame.as_entire_binding(), self.lamps.buffer.as_entire_binding()]);
         let view_of = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let masks = targets.masks.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -154,26 +156,21 @@ impl Renderer {
             &[
                 BindingResource::TextureView(&ids),
                 BindingResource::TextureView(&masks),
-                self.geometry.triangles.as_entire_binding(),
-                self.geometry.irradiance.as_entire_binding(),
-                self.geometry.materials.as_entire_binding(),
-                self.lamps.cube_maps.as_entire_binding(),
-                self.geometry.uvs.as_entire_binding(),
-                self.geometry.texture_entries.as_entire_binding(),
-                self.geometry.texels.as_entire_binding(),
+                BindingResource::TextureView(&self.geometry.triangles.view),
+                BindingResource::TextureView(&self.geometry.irradiance.view),
+                BindingResource::TextureView(&self.geometry.materials.view),
+                BindingResource::TextureView(&self.lamps.cube_maps.view),
+                BindingResource::TextureView(&self.geometry.uvs.view),
+                BindingResource::TextureView(&self.geometry.texture_entries.view),
+                BindingResource::TextureView(&self.geometry.texels.view),
             ],
         );
-        let toning = group(
-            device,
-            &self.pipelines.toning,
-            &[self.tone.as_entire_binding(), BindingResource::TextureView(&light), targets.tiles.as_entire_binding()],
-        );
-        let developing = group(
-            device,
-            &self.pipelines.developing,
-            &[self.tone.as_entire_binding(), BindingResource::TextureView(&light)],
-        );
-        let measured = group(device, &self.pipelines.measured, &[targets.tiles.as_entire_binding()]);
+        let (tiles, exposure) = (view_of(&targets.tiles), view_of(&targets.exposure));
+        let toning = |measured: &wgpu::TextureView| {
+            let resources =
+                [self.tone.as_entire_binding(), BindingResource::TextureView(&light), BindingResource::TextureView(measured)];
+            group(device, &self.pipelines.toning, &resources)
+        };
 
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -192,9 +189,7 @@ impl Renderer {
             pass.set_pipeline(&self.pipelines.prepass);
             pass.set_bind_group(0, &camera_and_lamps, &[]);
             pass.set_vertex_buffer(0, self.geometry.prepass.slice(..));
-            for vertices in seen_vertices(&self.geometry, &camera) {
-                pass.draw(vertices, 0..1);
-            }
+            seen.into_iter().for_each(|vertices| pass.draw(vertices, 0..1));
         }
         for (layer, group) in (0u32..).zip(draws.chunks(4)) {
             let mask = targets.masks.create_view(&wgpu::TextureViewDescriptor {
@@ -207,7 +202,7 @@ impl Renderer {
                 &mut encoder,
                 "shadow volumes",
                 &mask,
-                LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                LoadOp::Clear(wgpu::Color::WHITE),
                 Some(wgpu::RenderPassDepthStencilAttachment {
                     view: &depth,
                     depth_ops: None,
@@ -217,48 +212,59 @@ impl Renderer {
             );
             pass.set_bind_group(0, &camera_and_lamps, &[]);
             pass.set_vertex_buffer(0, self.geometry.volume.slice(..));
+            pass.set_vertex_buffer(1, self.volumes.casts.slice(..));
             pass.set_index_buffer(self.volumes.arena.slice(..), wgpu::IndexFormat::Uint32);
-            for (channel, draws) in group.iter().enumerate() {
-                let lamp = 4 * layer + channel as u32;
-                for Draw { count, indices, scissor: [left, top, width, height] } in draws {
+            for (channel, Draws { parts, scissor, first }) in group.iter().enumerate() {
+                for (instance, Draw { count, indices, scissor: [left, top, width, height], .. }) in (*first..).zip(parts) {
                     pass.set_pipeline(self.pipelines.volume(*count));
                     pass.set_scissor_rect(*left, *top, *width, *height);
-                    pass.draw_indexed(indices.clone(), 0, lamp..lamp + 1);
+                    pass.draw_indexed(indices.clone(), 0, instance..instance + 1);
                 }
-                pass.set_pipeline(self.pipelines.mask(channel));
-                pass.set_scissor_rect(0, 0, samples[0], samples[1]);
-                pass.draw(0..3, 0..1);
+                let [left, top, width, height] = *scissor;
+                if !parts.is_empty() {
+                    pass.set_pipeline(self.pipelines.mask(channel));
+                    pass.set_scissor_rect(left, top, width, height);
+                    pass.draw(0..3, 0..1);
+                }
             }
         }
         {
-            let load = LoadOp::Clear(wgpu::Color::TRANSPARENT);
-            let mut pass = begin(&mut encoder, "composition", &light, load, None, self.stopwatch.render(Pass::Composition));
+            let mut pass = begin(
+                &mut encoder,
+                "composition",
+                &light,
+                LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                Some(wgpu::RenderPassDepthStencilAttachment { view: &depth, depth_ops: None, stencil_ops: None }),
+                self.stopwatch.render(Pass::Composition),
+            );
+            pass.set_bind_group(0, &camera_and_lamps, &[]);
+            pass.set_bind_group(1, &shading, &[]);
+            pass.set_vertex_buffer(0, self.geometry.prepass.slice(..));
             // Without triangles there is nothing that pixels could read.
             if !self.geometry.things.is_empty() {
-                pass.set_pipeline(&composition);
-                pass.set_bind_group(0, &camera_and_lamps, &[]);
-                pass.set_bind_group(1, &shading, &[]);
+                pass.set_pipeline(&plain);
+                pass.draw(0..3, 0..1);
+            }
+            if let Some(with_textures) = &with_textures {
+                pass.set_pipeline(with_textures);
+                textured.into_iter().for_each(|vertices| pass.draw(vertices, 0..1));
+            }
+        }
+        let clear = LoadOp::Clear(wgpu::Color::BLACK);
+        if tone.measures() {
+            // Each pass is given a texture that it does not draw into.
+            for (n, (target, measured)) in [(&tiles, &exposure), (&exposure, &tiles)].into_iter().enumerate() {
+                let mut pass =
+                    begin(&mut encoder, "exposure", target, clear, None, self.stopwatch.render_of(Pass::Exposure, n, 2));
+                pass.set_pipeline(&self.pipelines.measure[n]);
+                pass.set_bind_group(0, &toning(measured), &[]);
                 pass.draw(0..3, 0..1);
             }
         }
-        if tone.measures() {
-            let tiles = samples.map(|s| s.div_ceil(16));
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("exposure"),
-                timestamp_writes: self.stopwatch.compute(Pass::Exposure),
-            });
-            pass.set_bind_group(0, &toning, &[]);
-            pass.set_pipeline(&self.pipelines.measure[0]);
-            pass.dispatch_workgroups(tiles[0], tiles[1], 1);
-            pass.set_pipeline(&self.pipelines.measure[1]);
-            pass.dispatch_workgroups(1, 1, 1);
-        }
         {
-            let load = LoadOp::Clear(wgpu::Color::BLACK);
-            let mut pass = begin(&mut encoder, "tone", &picture, load, None, self.stopwatch.render(Pass::Tone));
+            let mut pass = begin(&mut encoder, "tone", &picture, clear, None, self.stopwatch.render(Pass::Tone));
             pass.set_pipeline(&self.pipelines.develop);
-            pass.set_bind_group(0, &developing, &[]);
-            pass.set_bind_group(1, &measured, &[]);
+            pass.set_bind_group(0, &toning(&exposure), &[]);
             pass.draw(0..3, 0..1);
         }
         self.stopwatch.resolve(&mut encoder);
@@ -303,17 +309,7 @@ impl Renderer {
 
     /// The exposure that was measured for the picture, per cd/m².
     pub fn exposure(&self) -> Result<f32, RasterError> {
-        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-        let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("exposure"),
-            size: 8,
-            usage,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&self.drawn()?.tiles, 0, &buffer, 0, 8);
-        self.device.queue.submit([encoder.finish()]);
-        let bytes = mapped(&self.device, &buffer)?;
+        let bytes = read(&self.device, &self.drawn()?.exposure, 0)?;
         Ok(bytemuck::pod_read_unaligned(&bytes[..4]))
     }
 }
@@ -341,10 +337,11 @@ fn begin<'e>(
     })
 }
 
-/// Vertices of what the camera may see, in as few runs as there are gaps.
-fn seen_vertices(geometry: &Geometry, camera: &Camera) -> Vec<std::ops::Range<u32>> {
+/// Vertices of what the camera may see and that `counts`, in as few runs as there are gaps.
+fn seen_vertices(geometry: &Geometry, camera: &Camera, counts: impl Fn(&Thing) -> bool) -> Vec<std::ops::Range<u32>> {
     let mut runs: Vec<std::ops::Range<u32>> = Vec::new();
-    for thing in geometry.things.iter().filter(|thing| !thing.hidden && camera.may_see(&thing.caster.bounds)) {
+    let seen = |thing: &&Thing| !thing.hidden && counts(thing) && camera.may_see(&thing.caster.bounds);
+    for thing in geometry.things.iter().filter(seen) {
         match runs.last_mut() {
             Some(run) if run.end == thing.vertices.start => run.end = thing.vertices.end,
             _ => runs.push(thing.vertices.clone()),

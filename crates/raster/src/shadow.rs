@@ -1,8 +1,8 @@
 //! Shadow volumes into the stencil, four lamps to a mask (Dmitriev et al. 2002, §6.1.1). Twin of `shadow.wgsl`.
 //!
 //! For every lamp: sides of the volumes that the camera is outside of, counted in front of what is seen; whole volumes of those that
-//! it may be inside of, counted behind. What is then 0 in the stencil is lit; writing that to the lamp's channel sets the stencil back to 0
-//! for the next lamp. Volumes are kept until their caster or their lamp moves; what cannot fall on anything in the picture is not drawn, and
+//! it may be inside of, counted behind. What is then not 0 in the stencil is in shadow; writing that to the lamp's channel sets the stencil
+//! back to 0 for the next lamp. A volume ends where nothing is left between the eye and what it sees. Volumes are kept until their caster or their lamp moves; what cannot fall on anything in the picture is not drawn, and
 //! nothing outside the part of the picture that it can fall on.
 
 use crate::{
@@ -13,6 +13,7 @@ use crate::{
     geometry::{Geometry, Thing},
     volume::Whole,
 };
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -61,6 +62,27 @@ pub struct Draw {
     pub indices: Range<u32>,
     /// Left, top, width, height, pixels.
     pub scissor: [u32; 4],
+    /// How many times as far from the lamp as the caster it ends; 0 if it does not.
+    times: f32,
+}
+
+/// What is drawn for one lamp.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draws {
+    /// Parts of volumes.
+    pub parts: Vec<Draw>,
+    /// About them: left, top, width, height, pixels.
+    pub scissor: [u32; 4],
+    /// Number of the first of them among the [`Volumes::casts`].
+    pub first: u32,
+}
+
+/// What all vertices of a volume share. Twin of `throw_shadow` in `shadow.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Cast {
+    lamp: [f32; 3],
+    times: f32,
 }
 
 /// All volumes, and the arena that holds their triangles.
@@ -70,21 +92,26 @@ pub struct Volumes {
     /// Their triangles.
     pub arena: wgpu::Buffer,
     used: u32,
+    /// A [`Cast`] for each part of a volume that is drawn.
+    pub casts: wgpu::Buffer,
 }
 
 const INDEX: wgpu::BufferUsages = wgpu::BufferUsages::INDEX;
+const VERTEX: wgpu::BufferUsages = wgpu::BufferUsages::VERTEX;
 
 /// What one caster adds to a lamp's stencil.
 struct Wanted {
     thing: usize,
     whole: bool,
     scissor: [u32; 4],
+    times: f32,
 }
 
 impl Volumes {
     /// None yet.
     pub fn new(device: &Device) -> Result<Volumes, RasterError> {
-        Ok(Volumes { volumes: Vec::new(), arena: device.buffer("shadow volumes", 0, INDEX)?, used: 0 })
+        let [arena, casts] = [device.buffer("shadow volumes", 0, INDEX)?, device.buffer("casts", 0, VERTEX)?];
+        Ok(Volumes { volumes: Vec::new(), arena, used: 0, casts })
     }
 
     /// What is to be drawn, lamp by lamp, of what can fall on something in a picture of `size` pixels.
@@ -95,17 +122,20 @@ impl Volumes {
         lamps: &[DrawnLamp],
         camera: &Camera,
         size: [u32; 2],
-    ) -> Result<Vec<Vec<Draw>>, RasterError> {
+    ) -> Result<Vec<Draws>, RasterError> {
         let things = &geometry.things;
         let receivers: Vec<(Bounds, Rectangle)> = things
             .iter()
             .filter(|thing| !thing.hidden)
             .filter_map(|thing| Some((thing.caster.bounds, thing.caster.bounds.in_picture(camera)?)))
             .collect();
+        // Between the eye and what it sees nothing is outside of this box.
+        let stage = receivers.iter().map(|(bounds, _)| bounds);
+        let stage = Bounds::about(stage.flat_map(|b| [b.low, b.high]).chain(camera.near_corners()).chain([camera.eye]));
         let work: Vec<(usize, usize)> = (0..lamps.len()).flat_map(|l| (0..things.len()).map(move |t| (l, t))).collect();
         let wanted: Vec<Option<Wanted>> = work
             .par_iter()
-            .map(|(lamp, thing)| wanted(&things[*thing], *thing, lamps[*lamp].position, &receivers, camera, size))
+            .map(|(lamp, thing)| wanted(&things[*thing], *thing, lamps[*lamp].position, &receivers, &stage, camera, size))
             .collect();
         self.volumes.resize_with(lamps.len(), Vec::new);
         self.volumes.iter_mut().for_each(|row| row.resize_with(things.len(), Volume::default));
@@ -118,28 +148,37 @@ impl Volumes {
             });
         });
         self.upload(device)?;
-        let draws = wanted.chunks(things.len().max(1)).zip(&self.volumes).map(|(wanted, row)| {
-            let mut draws = Vec::new();
+        let mut casts: Vec<Cast> = Vec::new();
+        let mut all = Vec::new();
+        for (lamp, (wanted, row)) in lamps.iter().zip(wanted.chunks(things.len().max(1)).zip(&self.volumes)) {
+            let mut parts = Vec::new();
             for wanted in wanted.iter().flatten() {
+                let Wanted { scissor, times, .. } = *wanted;
                 let volume = &row[wanted.thing];
-                let mut draw = |count: Count, part: &Placed| {
+                let mut draw = |count: Count, part: &Placed, times: f32| {
                     if let Some(at) = part.at.filter(|_| !part.indices.is_empty()) {
-                        draws.push(Draw { count, indices: at..at + part.indices.len() as u32, scissor: wanted.scissor });
+                        parts.push(Draw { count, indices: at..at + part.indices.len() as u32, scissor, times });
                     }
                 };
                 match (&volume.whole, &volume.sides) {
                     (Some([shell, towards, away]), _) if wanted.whole => {
-                        draw(Count::Behind, shell);
-                        draw(Count::Behind, towards);
-                        draw(Count::BehindTurned, away);
+                        draw(Count::Behind, shell, 0.0);
+                        draw(Count::Behind, towards, 0.0);
+                        draw(Count::BehindTurned, away, 0.0);
                     }
-                    (_, Some(sides)) => draw(Count::Before, sides),
+                    (_, Some(sides)) => draw(Count::Before, sides, times),
                     _ => {}
                 }
             }
-            draws
-        });
-        Ok(draws.collect())
+            let first = casts.len() as u32;
+            casts.extend(parts.iter().map(|part| Cast { lamp: lamp.position.as_vec3().to_array(), times: part.times }));
+            all.push(Draws { scissor: about(&parts), parts, first });
+        }
+        if (casts.len() * size_of::<Cast>()) as u64 > self.casts.size() {
+            self.casts = device.buffer("casts", (2 * casts.len() * size_of::<Cast>()) as u64, VERTEX)?;
+        }
+        device.queue.write_buffer(&self.casts, 0, bytemuck::cast_slice(&casts));
+        Ok(all)
     }
 
     /// Writes what is new; makes room, and forgets what is old, when the arena is full.
@@ -166,6 +205,13 @@ impl Volumes {
     }
 }
 
+/// The smallest part of the picture that holds all of those.
+fn about(parts: &[Draw]) -> [u32; 4] {
+    let low = |axis: usize| parts.iter().map(|p| p.scissor[axis]).min().unwrap_or(0);
+    let high = |axis: usize| parts.iter().map(|p| p.scissor[axis] + p.scissor[axis + 2]).max().unwrap_or(0);
+    [low(0), low(1), high(0) - low(0), high(1) - low(1)]
+}
+
 impl Volume {
     fn make(&mut self, thing: &Thing, lamp: DVec3, whole: bool) {
         let of = Some((thing.version, lamp));
@@ -190,6 +236,7 @@ fn wanted(
     number: usize,
     lamp: DVec3,
     receivers: &[(Bounds, Rectangle)],
+    stage: &Bounds,
     camera: &Camera,
     [width, height]: [u32; 2],
 ) -> Option<Wanted> {
@@ -208,5 +255,8 @@ fn wanted(
     }
     // Through what is hidden from cameras the eye may look into a volume: only whole ones are right there.
     let whole = thing.hidden || caster.may_shade_near_plane(lamp, camera);
-    Some(Wanted { thing: number, whole, scissor })
+    // A little farther than it needs to be, for rounding.
+    let end = caster.bounds.shadow_reaches(lamp, stage).map_or(0.0, |[_, to]| to * 1.001);
+    let times = if end.is_finite() { end as f32 } else { 0.0 };
+    Some(Wanted { thing: number, whole, scissor, times })
 }

@@ -4,11 +4,14 @@ struct Corner {
     @invariant @builtin(position) position: vec4f,
 }
 
-// Vertices come in pairs: where they are (w = 1), and where the lamp throws their shadow at infinity (w = 0).
+// Vertices come in pairs: where they are (w = 1), and where the lamp throws their shadow (w = 0): so many times as far from the lamp, or to
+// infinity if `times` is 0.
 @vertex
-fn throw_shadow(@location(0) vertex: vec4f, @builtin(instance_index) lamp: u32) -> Corner {
-    let d = vertex.xyz - select(lamps[lamp].position, frame.eye, vertex.w == 1.0);
-    return Corner(project(d, vertex.w));
+fn throw_shadow(@location(0) vertex: vec4f, @location(1) lamp: vec3f, @location(2) times: f32) -> Corner {
+    let away = vertex.xyz - lamp;
+    let far = select((lamp - frame.eye) + away * times, away, times == 0.0);
+    let near = vertex.w == 1.0;
+    return Corner(project(select(far, vertex.xyz - frame.eye, near), select(select(1.0, 0.0, times == 0.0), 1.0, near)));
 }
 
 @fragment
@@ -19,7 +22,8 @@ fn cover(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return whole_picture(vertex);
 }
 
+// All is lit at first.
 @fragment
-fn lit() -> @location(0) vec4f {
-    return vec4f(1.0);
+fn shaded() -> @location(0) vec4f {
+    return vec4f(0.0);
 }

@@ -11,6 +11,8 @@ pub const IDS: TextureFormat = TextureFormat::R32Uint;
 pub const MASKS: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Linear light. Not half floats: candela near a lamp exceed their range.
 pub const LIGHT: TextureFormat = TextureFormat::Rgba32Float;
+/// Sums of logarithms and how many; or the exposure.
+pub const MEASURED: TextureFormat = TextureFormat::Rg32Float;
 /// sRGB.
 pub const PICTURE: TextureFormat = TextureFormat::Rgba8Unorm;
 
@@ -32,8 +34,10 @@ pub struct Targets {
     pub light: wgpu::Texture,
     /// [`PICTURE`].
     pub picture: wgpu::Texture,
-    /// Exposure, then what it is measured from.
-    pub tiles: wgpu::Buffer,
+    /// [`MEASURED`], tile by tile of 16 × 16 samples.
+    pub tiles: wgpu::Texture,
+    /// [`MEASURED`], the exposure alone.
+    pub exposure: wgpu::Texture,
 }
 
 impl Targets {
@@ -62,7 +66,6 @@ impl Targets {
         };
         // Without lamps there is no mask: one texel stands in for it.
         let mask_size = if mask_layers == 0 { [1, 1] } else { samples };
-        let tiles = samples.map(|s| u64::from(s.div_ceil(16)));
         Ok(Targets {
             size,
             grid,
@@ -72,11 +75,8 @@ impl Targets {
             masks: texture("masks", mask_size, mask_layers.max(1), MASKS),
             light: texture("light", samples, 1, LIGHT),
             picture: texture("picture", size, 1, PICTURE),
-            tiles: device.buffer(
-                "exposure",
-                (1 + tiles[0] * tiles[1]) * 8,
-                wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            )?,
+            tiles: texture("tiles", samples.map(|s| s.div_ceil(16)), 1, MEASURED),
+            exposure: texture("exposure", [1, 1], 1, MEASURED),
         })
     }
 
@@ -103,7 +103,8 @@ pub fn read(device: &Device, texture: &wgpu::Texture, layer: u32) -> Result<Vec<
     if size > most {
         return Err(RasterError::TooLarge { what: "reading the picture", bytes: size, most, driver: device.name.clone() });
     }
-    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
+    let buffer =
+        device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
     let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         wgpu::TexelCopyTextureInfo {

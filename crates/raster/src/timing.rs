@@ -112,16 +112,6 @@ impl Stopwatch {
         .filter(|w| w.beginning_of_pass_write_index.is_some() || w.end_of_pass_write_index.is_some())
     }
 
-    /// For a compute pass.
-    pub fn compute(&mut self, pass: Pass) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        let (query_set, begin) = self.stamps(pass)?;
-        Some(wgpu::ComputePassTimestampWrites {
-            query_set,
-            beginning_of_pass_write_index: Some(begin),
-            end_of_pass_write_index: Some(begin + 1),
-        })
-    }
-
     /// Makes the frame's timestamps readable.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         let Some(clock) = &self.clock else { return };

@@ -20,57 +20,43 @@ struct Tone {
 
 @group(0) @binding(0) var<uniform> tone: Tone;
 @group(0) @binding(1) var light: texture_2d<f32>;
-// Per tile, the sum of the logarithms and how many pixels are not black; at the end, the exposure.
-@group(0) @binding(2) var<storage, read_write> tiles: array<vec2f>;
-@group(1) @binding(0) var<storage, read> measured: array<vec2f>;
+// What the passes before have measured.
+@group(0) @binding(2) var measured: texture_2d<f32>;
 
 fn luminance(rgb: vec3f) -> f32 {
     return dot(rgb, vec3f(0.2126, 0.7152, 0.0722));
 }
 
+// Sides of the tiles in which the exposure is measured, samples; the same in `targets.rs`.
 const TILE = 16u;
-var<workgroup> sums: array<vec2f, 256>;
 
-fn add_up(own: vec2f, place: u32) {
-    sums[place] = own;
-    workgroupBarrier();
-    for (var half = 128u; half > 0u; half /= 2u) {
-        if place < half {
-            sums[place] += sums[place + half];
+// Of one tile, the sum of the logarithms and how many samples are not black.
+@fragment
+fn measure_tile(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let size = textureDimensions(light);
+    let low = vec2u(position.xy) * TILE;
+    let high = min(low + TILE, size);
+    var sum = vec2f(0.0);
+    for (var y = low.y; y < high.y; y++) {
+        for (var x = low.x; x < high.x; x++) {
+            let l = luminance(textureLoad(light, vec2u(x, y), 0).rgb);
+            sum += select(vec2f(0.0), vec2f(log2(max(l, 1e-30)), 1.0), l > 0.0);
         }
-        workgroupBarrier();
     }
+    return vec4f(sum, 0.0, 0.0);
 }
 
-// The logarithmic mean, in an order that is always the same.
-@compute @workgroup_size(16, 16)
-fn measure_tile(@builtin(global_invocation_id) pixel: vec3u, @builtin(local_invocation_index) place: u32, @builtin(workgroup_id) tile: vec3u, @builtin(num_workgroups) count: vec3u) {
-    let size = textureDimensions(light);
-    var own = vec2f(0.0);
-    if pixel.x < size.x && pixel.y < size.y {
-        let l = luminance(textureLoad(light, pixel.xy, 0).rgb);
-        own = select(vec2f(0.0), vec2f(log2(max(l, 1e-30)), 1.0), l > 0.0);
+// The exposure: middle grey for the logarithmic mean of what is not black.
+@fragment
+fn measure_picture() -> @location(0) vec4f {
+    let size = textureDimensions(measured);
+    var sum = vec2f(0.0);
+    for (var y = 0u; y < size.y; y++) {
+        for (var x = 0u; x < size.x; x++) {
+            sum += textureLoad(measured, vec2u(x, y), 0).xy;
+        }
     }
-    add_up(own, place);
-    if place == 0u {
-        tiles[1u + tile.y * count.x + tile.x] = sums[0];
-    }
-}
-
-// Middle grey for the logarithmic mean of what is not black.
-@compute @workgroup_size(256)
-fn measure_picture(@builtin(local_invocation_index) place: u32) {
-    let size = textureDimensions(light);
-    let count = ((size.x + TILE - 1u) / TILE) * ((size.y + TILE - 1u) / TILE);
-    var own = vec2f(0.0);
-    for (var tile = place; tile < count; tile += 256u) {
-        own += tiles[1u + tile];
-    }
-    add_up(own, place);
-    if place == 0u {
-        let mean = exp2(sums[0].x / max(sums[0].y, 1.0));
-        tiles[0] = vec2f(select(1.0, 0.22 / mean, sums[0].y > 0.0), 0.0);
-    }
+    return vec4f(select(1.0, 0.22 / exp2(sum.x / max(sum.y, 1.0)), sum.y > 0.0), 0.0, 0.0, 0.0);
 }
 
 @vertex
@@ -110,7 +96,7 @@ fn develop(@builtin(position) position: vec4f) -> @location(0) vec4f {
         // Where nothing is seen there is nothing to measure.
         return vec4f(select(vec3f(0.0), false_colour(luminance(rgb)), sum.a > 0.0), 1.0);
     }
-    let exposed = rgb * select(tone.exposure, measured[0].x, tone.exposure == 0.0);
+    let exposed = rgb * select(tone.exposure, textureLoad(measured, vec2u(0u), 0).x, tone.exposure == 0.0);
     // Reinhard et al. 2002, Eq. 4, on luminance.
     let l = luminance(exposed);
     let white = 4.0;

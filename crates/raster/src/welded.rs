@@ -264,7 +264,8 @@ mod tests {
     fn loose_cube() -> Mesh {
         let corner = |k: usize| DVec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let positions = quads.iter().zip(0..).flat_map(|(q, n)| q.map(|k| corner(k) + DVec3::splat(1e-7 * f64::from(n)))).collect();
+        let positions =
+            quads.iter().zip(0..).flat_map(|(q, n)| q.map(|k| corner(k) + DVec3::splat(1e-7 * f64::from(n)))).collect();
         let triangles = (0..6).flat_map(|q| [[4 * q, 4 * q + 1, 4 * q + 2], [4 * q, 4 * q + 2, 4 * q + 3]]).collect();
         mesh(positions, triangles)
     }

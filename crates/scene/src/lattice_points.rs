@@ -23,6 +23,8 @@ pub struct LatticePoints {
     group: Vec<u32>,
     /// Number of groups.
     groups: u32,
+    /// Pairs of groups at one place.
+    creases: Vec<[u32; 2]>,
 }
 
 /// A point on the border of a triangle.
@@ -65,12 +67,14 @@ impl LatticePoints {
         // For now, each point's entry is a point of its group that is no later; the first of the group names itself.
         let mut group: Vec<u32> = (0..total as u32).collect();
         let mut heads: Vec<BorderPoint> = Vec::new();
+        let mut together: Vec<[u32; 2]> = Vec::new();
         for here in border.chunk_by(|a, b| a.place == b.place) {
             heads.clear();
             for alike in here.chunk_by(|a, b| a.direction == b.direction) {
                 alike.iter().for_each(|p| group[p.point as usize] = alike[0].point);
                 heads.push(alike[0]);
             }
+            together.extend(heads.windows(2).map(|pair| [pair[0].point, pair[1].point]));
             for (k, a) in heads.iter().enumerate() {
                 for b in heads[..k].iter().filter(|b| smooth(a.direction, b.direction)) {
                     let (a, b) = (earliest(&group, a.point), earliest(&group, b.point));
@@ -90,7 +94,11 @@ impl LatticePoints {
                 group[point] = group[earlier];
             }
         }
-        LatticePoints { first, group, groups }
+        let of_groups = |pair: [u32; 2]| pair.map(|point| group[point as usize]);
+        let mut creases: Vec<[u32; 2]> = together.into_iter().map(of_groups).filter(|[a, b]| a != b).collect();
+        creases.sort_unstable();
+        creases.dedup();
+        LatticePoints { first, group, groups, creases }
     }
 
     /// All points of the mesh.
@@ -128,6 +136,11 @@ impl LatticePoints {
     /// Number of groups.
     pub fn groups(&self) -> u32 {
         self.groups
+    }
+
+    /// Pairs of groups at one place, which creases part; where more than two meet, a chain of pairs joins them.
+    pub fn creases(&self) -> &[[u32; 2]] {
+        &self.creases
     }
 
     /// The three points of each cell of triangle `t`, in the order of [`Lattice::cells_of`]. An upright cell has the points (i, j),

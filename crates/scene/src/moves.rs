@@ -74,6 +74,22 @@ impl Moves {
         Ok((moves, warnings))
     }
 
+    /// The camera of a time: halfway between two keys it is halfway from one to the other, in a straight line; before the first key and
+    /// after the last it stands still. `None` without keys.
+    pub fn camera(&self, at: f64) -> Option<View> {
+        let next = self.cameras.partition_point(|key| key.at <= at);
+        let before = self.cameras.get(next.saturating_sub(1))?;
+        let after = self.cameras.get(next).unwrap_or(before);
+        let share = if after.at > before.at { ((at - before.at) / (after.at - before.at)).clamp(0.0, 1.0) } else { 0.0 };
+        let between = View {
+            eye: before.eye.lerp(after.eye, share),
+            target: before.target.lerp(after.target, share),
+            fov: before.fov + (after.fov - before.fov) * share,
+        };
+        // On the way between two good views the eye may cross its target.
+        Some(if between.fault().is_none() { between } else { View { eye: before.eye, target: before.target, fov: before.fov } })
+    }
+
     fn check_times(&self) -> Result<(), String> {
         if !(self.fps.is_finite() && self.fps > 0.0) {
             return Err(format!("fps is {}; it must be positive", self.fps));
@@ -94,5 +110,24 @@ impl Moves {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_go_from_key_to_key() {
+        let key = |at: f64, x: f64| CameraKey { at, eye: DVec3::X * x, target: DVec3::new(x, 1.0, 0.0), fov: 40.0 + x };
+        let moves = Moves { fps: 25.0, edits: vec![], cameras: vec![key(1.0, 0.0), key(3.0, 4.0), key(3.0, 8.0)] };
+        let eye = |at: f64| moves.camera(at).unwrap().eye.x;
+        assert_eq!(
+            [eye(0.0), eye(1.0), eye(2.0), eye(3.0), eye(9.0)],
+            [0.0, 0.0, 2.0, 8.0, 8.0],
+            "two keys at one time are a cut"
+        );
+        assert_eq!(moves.camera(1.5).unwrap().fov, 41.0);
+        assert_eq!(Moves { cameras: vec![], ..moves }.camera(0.0), None);
     }
 }

@@ -13,7 +13,7 @@ use lightmend_photon::{
     visible::{Frustum, Visible},
     world::World,
 };
-use lightmend_scene::{Configuration, Moves, TimedEdit, View};
+use lightmend_scene::{Moves, TimedEdit};
 use serde_json::{Map, Value, json};
 use std::{io::Write, sync::Arc};
 
@@ -22,13 +22,6 @@ pub type Drag = Vec<(&'static str, Vec<Frame>)>;
 
 /// Frames after which a drag that is still not exact is left: ten times the seed's perceivable recovery at 25 frames a second.
 const MOST_FRAMES: usize = 1000;
-
-/// The camera of a time: the last key until then, otherwise the scene's first camera.
-fn view(moves: &Moves, configuration: &Configuration, at: f64) -> Option<View> {
-    let key = moves.cameras.iter().rev().find(|key| key.at <= at).or(moves.cameras.first());
-    let key = key.map(|k| View { eye: k.eye, target: k.target, fov: k.fov });
-    key.or_else(|| configuration.scene().cameras.first().map(|c| c.1))
-}
 
 /// Plays an edit's steps from `start` to `end`; `None` if there is no camera or the run was interrupted.
 pub fn play(
@@ -41,7 +34,8 @@ pub fn play(
     quiet: bool,
 ) -> Result<Option<Drag>, Failure> {
     let before = start.world().configuration();
-    let Some(view) = view(moves, before, timed.at) else { return Ok(None) };
+    let first = || before.scene().cameras.first().map(|c| c.1);
+    let Some(view) = moves.camera(timed.at).or_else(first) else { return Ok(None) };
     let mut configuration = before.clone();
     let mut world = start.world().clone();
     let mut steps: Vec<(f64, Arc<World>)> = Vec::new();

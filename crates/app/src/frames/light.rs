@@ -1,0 +1,74 @@
+//! Indirect light from the solver's buckets to the rasteriser's lattice points.
+
+use lightmend_photon::{bucket::Buckets, irradiance::Scale, vertex_irradiance::vertex_irradiance};
+use lightmend_raster::Indirect;
+use lightmend_scene::{Configuration, LatticePoints, Mesh, luminance};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Lattice points of the meshes in use, each made once.
+#[derive(Default)]
+pub struct IndirectLight {
+    /// By object number.
+    points: Vec<Option<(Arc<Mesh>, Arc<LatticePoints>)>>,
+}
+
+impl IndirectLight {
+    /// Irradiance at all lattice points of all sides that light has reached.
+    pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale) -> Indirect {
+        self.learn(configuration);
+        let sides: Vec<_> = (0..configuration.object_slots())
+            .into_par_iter()
+            .map(|id| {
+                let points = self.points[id].as_ref().filter(|_| configuration.has_object(id));
+                [0, 1].map(|side| {
+                    let (_, points) = points?;
+                    let lattice = &configuration.object(id).lattice;
+                    vertex_irradiance(buckets, scale, id, side, lattice, points, configuration.lamp_slots())
+                })
+            })
+            .collect();
+        sides
+    }
+
+    /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.
+    pub fn outstanding(&mut self, configuration: &Configuration, now: &Buckets, right: &Buckets, scale: &Scale) -> Indirect {
+        let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale));
+        let illuminance = |rgb: &[f32; 3]| luminance(glam::DVec3::from_array(rgb.map(f64::from)));
+        now.into_iter()
+            .zip(right)
+            .map(|(now, right)| {
+                let mut right = right.into_iter();
+                now.map(|now| {
+                    let right = right.next().flatten();
+                    let share = |(now, right): (&[f32; 3], f64)| {
+                        let off = (illuminance(now) - right).abs();
+                        // What will be dark is wholly off as long as it is not.
+                        [if off > 0.0 { off / right.max(off.min(1e-9)).max(f64::MIN_POSITIVE) } else { 0.0 } as f32; 3]
+                    };
+                    match (now, right) {
+                        (Some(now), Some(right)) => Some(now.iter().zip(right.iter().map(illuminance)).map(share).collect()),
+                        (Some(now), None) => Some(now.iter().map(|n| share((n, 0.0))).collect()),
+                        (None, Some(right)) => Some(right.iter().map(|r| share((&[0.0; 3], illuminance(r)))).collect()),
+                        (None, None) => None,
+                    }
+                })
+            })
+            .collect()
+    }
+
+    fn learn(&mut self, configuration: &Configuration) {
+        self.points.resize_with(configuration.object_slots(), || None);
+        for id in 0..configuration.object_slots() {
+            let object = configuration.object(id);
+            let known = |points: &Option<(Arc<Mesh>, Arc<LatticePoints>)>| {
+                points.as_ref().filter(|(mesh, _)| Arc::ptr_eq(mesh, &object.mesh)).map(|(_, points)| points.clone())
+            };
+            if configuration.has_object(id) && known(&self.points[id]).is_none() {
+                let points = self.points.iter().find_map(known);
+                let points = points.unwrap_or_else(|| Arc::new(LatticePoints::new(&object.mesh, &object.lattice)));
+                self.points[id] = Some((object.mesh.clone(), points));
+            }
+        }
+    }
+}
