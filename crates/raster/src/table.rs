@@ -39,6 +39,11 @@ impl Table {
         Ok(Table { texture, view })
     }
 
+    /// How many entries a list can have.
+    pub fn most(device: &Device) -> u64 {
+        u64::from(WIDTH) * u64::from(device.largest_side())
+    }
+
     /// With this content.
     pub fn filled<T: bytemuck::NoUninit>(
         device: &Device,

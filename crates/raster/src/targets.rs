@@ -132,7 +132,8 @@ pub fn mapped(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, RasterE
         let _ = told.send(result);
     });
     device.wait()?;
-    match heard.try_recv() {
+    // Another thread that waits for the same device may be the one that calls back, a moment after this wait is over.
+    match heard.recv() {
         Ok(Ok(())) => {}
         Ok(Err(e)) => return Err(RasterError::Lost(e.to_string())),
         Err(e) => return Err(RasterError::Lost(e.to_string())),
