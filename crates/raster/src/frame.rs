@@ -102,12 +102,6 @@ const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Lamps that can be drawn; the same in `frame.wgsl`. They fit the uniform buffer that every driver has.
 const MOST_LAMPS: usize = 640;
 
-<<<<<<< HEAD
-/// Samples of all cube maps together: 128 MB.
-const MOST_SAMPLES: u64 = 1 << 25;
-
-=======
->>>>>>> direct
 /// Makes the finest maps coarser until all together have no more than `most` samples.
 fn coarsen(maps: &mut [(Arc<Photometry>, CubeMap, u32)], most: u64) {
     let mut finest = FINEST;
@@ -164,11 +158,7 @@ impl Lamps {
         }
         if !new.is_empty() || unused {
             self.maps.retain(|(known, ..)| in_use(known));
-<<<<<<< HEAD
-            coarsen(&mut self.maps, MOST_SAMPLES);
-=======
             coarsen(&mut self.maps, Table::most(device));
->>>>>>> direct
             let mut samples: Vec<f32> = Vec::new();
             for (_, map, first) in &mut self.maps {
                 *first = samples.len() as u32;
