@@ -103,7 +103,8 @@ pub fn read(device: &Device, texture: &wgpu::Texture, layer: u32) -> Result<Vec<
     if size > most {
         return Err(RasterError::TooLarge { what: "reading the picture", bytes: size, most, driver: device.name.clone() });
     }
-    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
+    let buffer =
+        device.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
     let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         wgpu::TexelCopyTextureInfo {
@@ -131,7 +132,8 @@ pub fn mapped(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, RasterE
         let _ = told.send(result);
     });
     device.wait()?;
-    match heard.try_recv() {
+    // Another thread that shares the device may have been given our callback to run.
+    match heard.recv() {
         Ok(Ok(())) => {}
         Ok(Err(e)) => return Err(RasterError::Lost(e.to_string())),
         Err(e) => return Err(RasterError::Lost(e.to_string())),
