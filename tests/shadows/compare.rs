@@ -1,7 +1,7 @@
 //! Masks against rays, pixel by pixel, and what is told of it.
 
 use crate::rays::{Rays, Sight};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use lightmend_raster::{Device, Look, Parts, Renderer, Settings, camera::Camera};
 use lightmend_scene::{Configuration, View};
 use rayon::prelude::*;
@@ -139,14 +139,29 @@ impl<'r> Picture<'r> {
     /// Whether what is seen changes within a pixel: something is seen there which does not face the lamp, or sees it where the
     /// pixel does not.
     fn edge(&self, pixel: usize, lamp: usize, lit: bool) -> bool {
-        (0..81).any(|k| {
+        let place = self.rays.lamp(lamp);
+        let sampled = (0..81).any(|k| {
             let within = DVec2::new(f64::from(k % 9), f64::from(k / 9)) / 4.0 - 0.5;
             let at = self.at(pixel, within);
             let Some(of) = self.rays.first(&self.camera, at) else { return false };
             let Some(sight) = self.rays.sight(&self.camera, at, of) else { return false };
-            let place = self.rays.lamp(lamp);
             self.cosine(&sight, lamp) <= 0.0
                 || (self.rays.sees(&sight, place) != lit && self.rays.sees_exactly(&sight, place) != lit)
+        });
+        sampled || (lit && self.thin_shadow(pixel, place))
+    }
+
+    /// Whether a shadow is within a pixel, however thin.
+    fn thin_shadow(&self, pixel: usize, lamp: DVec3) -> bool {
+        let centre = self.at(pixel, DVec2::splat(0.5));
+        let pixels = DVec2::new(f64::from(self.size[0]), f64::from(self.size[1])) / 2.0;
+        self.sights[pixel].is_some_and(|sight| {
+            self.rays.shaded_nearby(&sight, lamp).into_iter().any(|point| {
+                let Some(at) = self.camera.project(point) else { return false };
+                ((at - centre) * pixels).abs().max_element() <= 1.0
+                    && self.rays.first(&self.camera, at) == Some(sight.of)
+                    && !self.rays.sees_exactly(&Sight { point, ..sight }, lamp)
+            })
         })
     }
 

@@ -109,6 +109,27 @@ impl Rays {
         self.world.nearest(&ray).is_none_or(|hit| hit.distance >= 1.0)
     }
 
+    /// Points of the plane of `sight` which triangles shade that the way from the lamp to it just misses: shadows too thin to be found
+    /// by looking here and there.
+    pub fn shaded_nearby(&self, sight: &Sight, lamp: DVec3) -> Vec<DVec3> {
+        let way = sight.point - lamp;
+        let near = |[a, b, c]: [DVec3; 3]| {
+            let middle = (a + b + c) / 3.0;
+            [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                // The edge's nearest point to the way (both as lines), and a little into the triangle.
+                let (u, s) = (to - from, lamp - from);
+                let (uu, uw, ww) = (u.length_squared(), u.dot(way), way.length_squared());
+                let share = (u.dot(s) * ww - way.dot(s) * uw) / (uu * ww - uw * uw);
+                let nearest = (from + u * share.clamp(0.0, 1.0)).lerp(middle, 1e-3);
+                let height = (nearest - lamp).dot(sight.normal) / way.dot(sight.normal);
+                (height > 0.0 && height < 1.0).then(|| lamp + (nearest - lamp) / height)
+            })
+        };
+        let surfaces = self.world.configuration().objects().map(|(id, _)| &self.surfaces[id]);
+        let touched = surfaces.filter(|surface| crosses(&surface.bounds, lamp, way, 1e-2 * self.reach()));
+        touched.flat_map(|surface| surface.corners.iter().flat_map(|corners| near(*corners))).flatten().collect()
+    }
+
     /// How far a place of the picture is from the outline of a triangle, in pixels of a picture of `size`.
     pub fn outline_distance(&self, camera: &Camera, at: DVec2, of: (usize, usize), size: [u32; 2]) -> f64 {
         let pixels = DVec2::new(f64::from(size[0]), f64::from(size[1])) / 2.0;

@@ -226,6 +226,10 @@ impl Pipelines {
                 Count::Before => [state(more, keep), state(less, keep)],
                 Count::Behind | Count::BehindTurned => [state(keep, less), state(keep, more)],
             };
+            // Seen edge-on, sides are so steep that rounding pushes them in front of what they are behind; a thousandth of a pixel makes
+            // up for it.
+            let slope_scale = if count == Count::Before { -1.0 / 1024.0 } else { 0.0 };
+            let bias = wgpu::DepthBiasState { slope_scale, ..Default::default() };
             let winding = if count == Count::BehindTurned { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw };
             Recipe {
                 label: "shadow volume",
@@ -233,7 +237,7 @@ impl Pipelines {
                 functions: ["throw_shadow", "count"],
                 vertices: Some((16, &wgpu::vertex_attr_array![0 => Float32x4])),
                 front: winding,
-                depth: Some(read_depth(CompareFunction::Greater, front, back)),
+                depth: Some(wgpu::DepthStencilState { bias, ..read_depth(CompareFunction::Greater, front, back) }),
                 target: (MASKS, ColorWrites::empty()),
                 ..plain.clone()
             }
