@@ -21,7 +21,7 @@ fn size(usual: [u64; 2]) -> [u32; 2] {
 }
 
 fn case(name: &str, scene: &Arc<Scene>, mut views: Vec<(String, View)>, usual: [u64; 2], random: u64) -> Case {
-    views.extend(places::random_views(scene, count(random, 30)));
+    views.extend(places::random_views(scene, random));
     Case { name: name.into(), shown: vec![Configuration::initial(scene)], views, size: size(usual) }
 }
 
@@ -29,14 +29,14 @@ fn case(name: &str, scene: &Arc<Scene>, mut views: Vec<(String, View)>, usual: [
 fn masks_of_our_scenes_are_right() {
     let own = |name: &str| {
         let scene = own_scene(name);
-        case(name, &scene, scene.cameras.clone(), [320, 240], 4)
+        case(name, &scene, scene.cameras.clone(), [320, 240], count(4, 30))
     };
     check("our scenes", ["cornell", "room", "house"].map(own));
 }
 
 #[test]
 fn masks_of_built_shapes_are_right() {
-    let cases = shapes::all().into_iter().map(|(name, scene)| case(name, &scene, places::about(&scene), [240, 180], 2));
+    let cases = shapes::all().into_iter().map(|(name, scene)| case(name, &scene, places::about(&scene), [240, 180], count(2, 8)));
     check("built shapes", cases);
 }
 
@@ -46,7 +46,8 @@ fn masks_of_other_peoples_furniture_are_right() {
         println!("skipped: LIGHTMEND_CORPUS is not set");
         return;
     };
-    let cases = shapes::furniture(corpus.as_ref()).map(|(name, scene)| case(&name, &scene, places::about(&scene), [240, 180], 0));
+    let cases = shapes::furniture(corpus.as_ref())
+        .map(|(name, scene)| case(&name, &scene, places::about(&scene), [240, 180], count(0, 8)));
     check("furniture", cases);
 }
 
