@@ -206,6 +206,10 @@ impl Pipelines {
                 Count::Before => [state(more, keep), state(less, keep)],
                 Count::Behind | Count::BehindTurned => [state(keep, less), state(keep, more)],
             };
+            // Seen edge-on, sides are so steep that rounding pushes them in front of what they are behind; a thousandth of a pixel makes
+            // up for it.
+            let slope_scale = if count == Count::Before { -1.0 / 1024.0 } else { 0.0 };
+            let bias = wgpu::DepthBiasState { slope_scale, ..Default::default() };
             let winding = if count == Count::BehindTurned { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw };
             Recipe {
                 label: "shadow volume",
@@ -216,7 +220,7 @@ impl Pipelines {
                     stepped(16, wgpu::VertexStepMode::Instance, &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32]),
                 ],
                 front: winding,
-                depth: Some(read_depth(CompareFunction::Greater, front, back)),
+                depth: Some(wgpu::DepthStencilState { bias, ..read_depth(CompareFunction::Greater, front, back) }),
                 target: (MASKS, ColorWrites::empty()),
                 ..plain.clone()
             }

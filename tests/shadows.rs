@@ -1,1 +1,0 @@
-//! Masks against ray-traced visibility.
