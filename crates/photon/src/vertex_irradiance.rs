@@ -113,9 +113,11 @@ fn calm(around: &mut [Around], lattice: &Lattice, points: &LatticePoints) {
             [[a, b], [b, c], [c, a]].into_iter().for_each(|pair| way(pair, area, ENOUGH, around));
         }
     }
-    for pair in points.creases() {
-        let area = pair.map(|g| around[g as usize].area);
-        way(*pair, area[0].min(area[1]) / 4.0, ENOUGH_OVER_CREASES, around);
+    for (pairs, enough) in [(points.seams(), ENOUGH), (points.creases(), ENOUGH_OVER_CREASES)] {
+        for pair in pairs {
+            let area = pair.map(|g| around[g as usize].area);
+            way(*pair, area[0].min(area[1]) / 4.0, enough, around);
+        }
     }
     if ways.is_empty() {
         return;

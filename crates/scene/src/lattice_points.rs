@@ -7,8 +7,9 @@
 //! Smooth are triangles whose normals are less than [`LatticePoints::CREASE`] apart, or joined by a chain of such triangles that meet
 //! at the place. The normals count with their sign: back to back is a crease.
 //!
-//! Not mended: where two triangles cut their common edge into different numbers of parts, or a corner of one lies within an edge of
-//! another, the points that do not coincide stay in groups of their own triangle.
+//! Where two smooth triangles cut their common edge into different numbers of parts, the points that do not coincide stay in groups of
+//! their own triangle; which of them are nearest to each other is known as a *seam*. Not mended: a corner of one triangle within an edge
+//! of another.
 
 use crate::{Lattice, Mesh};
 use glam::DVec3;
@@ -25,6 +26,8 @@ pub struct LatticePoints {
     groups: u32,
     /// Pairs of groups at one place.
     creases: Vec<[u32; 2]>,
+    /// Pairs of groups beside each other on an edge that is cut in two ways.
+    seams: Vec<[u32; 2]>,
 }
 
 /// A point on the border of a triangle.
@@ -94,11 +97,15 @@ impl LatticePoints {
                 group[point] = group[earlier];
             }
         }
-        let of_groups = |pair: [u32; 2]| pair.map(|point| group[point as usize]);
-        let mut creases: Vec<[u32; 2]> = together.into_iter().map(of_groups).filter(|[a, b]| a != b).collect();
-        creases.sort_unstable();
-        creases.dedup();
-        LatticePoints { first, group, groups, creases }
+        let of_groups = |pairs: Vec<[u32; 2]>| {
+            let pairs = pairs.into_iter().map(|pair| pair.map(|point| group[point as usize])).filter(|[a, b]| a != b);
+            let mut pairs: Vec<[u32; 2]> = pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+            pairs.sort_unstable();
+            pairs.dedup();
+            pairs
+        };
+        let (creases, seams) = (of_groups(together), of_groups(unequal(mesh, lattice, &first)));
+        LatticePoints { first, group, groups, creases, seams }
     }
 
     /// All points of the mesh.
@@ -143,6 +150,11 @@ impl LatticePoints {
         &self.creases
     }
 
+    /// Pairs of groups that lie beside each other on an edge which two smooth triangles cut into different numbers of parts.
+    pub fn seams(&self) -> &[[u32; 2]] {
+        &self.seams
+    }
+
     /// The three points of each cell of triangle `t`, in the order of [`Lattice::cells_of`]. An upright cell has the points (i, j),
     /// (i+1, j), (i, j+1), wound as its triangle; an inverted one (i+1, j), (i, j+1), (i+1, j+1), wound the other way.
     pub fn cells_points(&self, t: usize) -> impl Iterator<Item = [u32; 3]> + use<> {
@@ -171,6 +183,60 @@ fn push_border(corners: [DVec3; 3], n: u32, first: u32, border: &mut Vec<BorderP
             border.push(BorderPoint { place, direction, point: first + LatticePoints::index(n, i, j) });
         }
     }
+}
+
+/// An edge of a triangle from its lower end to its higher.
+struct Side {
+    /// Bits of its ends' coordinates.
+    ends: [[u64; 3]; 2],
+    direction: u32,
+    divisions: u32,
+    triangle: usize,
+    /// Which edge of its triangle it is, and whether it runs from its lower to its higher end there.
+    edge: usize,
+    forwards: bool,
+}
+
+impl Side {
+    /// Point `k` from the lower end.
+    fn point(&self, k: u32, first: &[u32]) -> u32 {
+        let n = self.divisions;
+        let k = if self.forwards { k } else { n - k };
+        let (i, j) = [(k, 0), (n - k, k), (0, n - k)][self.edge];
+        first[self.triangle] + LatticePoints::index(n, i, j)
+    }
+}
+
+/// Pairs of points beside each other on common edges that smooth triangles cut into different numbers of parts.
+fn unequal(mesh: &Mesh, lattice: &Lattice, first: &[u32]) -> Vec<[u32; 2]> {
+    let mut sides: Vec<Side> = Vec::new();
+    for triangle in 0..mesh.triangles.len() {
+        let Some(direction) = direction(mesh.corners(triangle)) else { continue };
+        let divisions = lattice.divisions(triangle);
+        let corners = mesh.corners(triangle).map(|c| c + 0.0);
+        for edge in 0..3 {
+            let ends = [corners[edge], corners[(edge + 1) % 3]];
+            let forwards = ends[0].to_array() <= ends[1].to_array();
+            let ends = if forwards { ends } else { [ends[1], ends[0]] }.map(|p| p.to_array().map(f64::to_bits));
+            sides.push(Side { ends, direction, divisions, triangle, edge, forwards });
+        }
+    }
+    sides.sort_by_key(|side| (side.ends, side.triangle, side.edge));
+    let mut pairs = Vec::new();
+    for here in sides.chunk_by(|a, b| a.ends == b.ends) {
+        for (number, a) in here.iter().enumerate() {
+            for b in here[..number].iter().filter(|b| a.divisions != b.divisions && smooth(a.direction, b.direction)) {
+                for (from, to) in [(a, b), (b, a)] {
+                    let (n, m) = (u64::from(from.divisions), u64::from(to.divisions));
+                    for k in (1..n).filter(|k| k * m % n != 0) {
+                        let nearest = (2 * k * m + n) / (2 * n);
+                        pairs.push([from.point(k as u32, first), to.point(nearest as u32, first)]);
+                    }
+                }
+            }
+        }
+    }
+    pairs
 }
 
 /// Point `k` of the `n` on an edge, with the same bits whichever of its ends comes first.
@@ -249,6 +315,25 @@ mod tests {
     /// The points of a triangle that `n` divides, as (i, j), by number.
     fn numbered(n: u32) -> Vec<(u32, u32)> {
         (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))).collect()
+    }
+
+    #[test]
+    fn an_edge_that_is_cut_in_two_ways_is_a_seam() {
+        // The upper triangle is high, so that it is cut finer along the common edge than the lower one.
+        let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let mesh = mesh(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.5, 3.0), p(0.5, -0.5)], vec![[0, 1, 2], [1, 0, 3]]);
+        let (lattice, points) = points(&mesh, 0.5);
+        let [n, m] = [0, 1].map(|t| lattice.divisions(t));
+        assert_eq!((n, m), (7, 2));
+        // The lower triangle's middle lies between points 3 and 4 of the upper one.
+        let upper = |k: u32| points.group(points.first(0) + LatticePoints::index(7, k, 0));
+        let lower = |k: u32| points.group(points.first(1) + LatticePoints::index(2, k, 0));
+        assert_eq!([upper(0), upper(7)], [lower(2), lower(0)], "they share the ends");
+        let beside = |a: u32, b: u32| points.seams().contains(&[a.min(b), a.max(b)]);
+        assert!(beside(upper(3), lower(1)) && beside(upper(4), lower(1)) && beside(upper(1), lower(2)));
+        assert_eq!(points.seams().len(), 6);
+        let (_, equal) = self::points(&bend(0.0), 0.1);
+        assert!(equal.seams().is_empty());
     }
 
     #[test]
