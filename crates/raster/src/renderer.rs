@@ -349,3 +349,31 @@ fn seen_vertices(geometry: &Geometry, camera: &Camera, counts: impl Fn(&Thing) -
     }
     runs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_lost_device_is_told() {
+        let view = View { eye: DVec3::Y, target: DVec3::ZERO, fov: 40.0 };
+        let settings = |width| Settings { width, height: 8, grid: 1, parts: Parts::RADIANCE, look: Look::Plain };
+        // Lost before anything was drawn, and between two frames; the second of another size needs new textures.
+        for (before, after) in [(None, 8), (Some(8), 8), (Some(8), 16)] {
+            let mut renderer = Renderer::new(Arc::new(Device::headless().unwrap())).unwrap();
+            if let Some(width) = before {
+                renderer.draw(&view, &settings(width)).unwrap();
+                renderer.finish().unwrap();
+            }
+            renderer.device().device.destroy();
+            let drawn = renderer.draw(&view, &settings(after));
+            let finished = drawn.and_then(|()| renderer.finish().map(|_| ()));
+            assert!(matches!(finished, Err(RasterError::Lost(_))), "{finished:?}");
+            let light = renderer.light(&Vec::new());
+            assert!(matches!(light, Err(RasterError::Lost(_))), "{light:?}");
+            assert!(renderer.picture().is_err() && renderer.samples().is_err() && renderer.exposure().is_err());
+            assert!(matches!(Renderer::new(renderer.device().clone()), Err(RasterError::Lost(_))));
+        }
+    }
+}
