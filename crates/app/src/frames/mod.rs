@@ -8,6 +8,7 @@ mod earlier;
 mod exr;
 mod film;
 mod light;
+mod painter;
 mod sheet;
 mod show;
 mod timeline;
@@ -18,19 +19,12 @@ use crate::{
     output::{self, say},
     picture, progress,
 };
-use light::IndirectLight;
-use lightmend_photon::{
-    body::TreePreset, irradiance::Scale, path::FirstHits, solution::Solution, visible::Frustum, world::World,
-};
-use lightmend_raster::{Device, RasterError, Renderer, Settings, Times};
+use lightmend_photon::{body::TreePreset, path::FirstHits, solution::Solution, visible::Frustum, world::World};
+use lightmend_raster::{Device, RasterError, Renderer};
 use lightmend_scene::{Configuration, Edit, Moves, Scene, SceneError, View, unknown};
-use serde_json::{Value, json};
+use painter::{Moment, Painter};
 use show::{Range, Show};
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::Instant,
-};
+use std::{path::PathBuf, sync::Arc};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -109,18 +103,6 @@ impl From<RasterError> for Failure {
     }
 }
 
-/// What was drawn.
-struct Drawn {
-    frame: u64,
-    time: f64,
-    file: String,
-    stale_groups: usize,
-    rays: u64,
-    exposure: Option<f32>,
-    /// Of its passes, and of the whole frame without reading and writing the picture; milliseconds.
-    times: (Times, f64),
-}
-
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
@@ -158,17 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if common.talks() {
         say(&format!("drawing on {}", renderer.device().name));
     }
-    let mut painter = Painter {
-        settings,
-        arguments,
-        out: &out,
-        light: IndirectLight::default(),
-        drained: None,
-        warned_inside: false,
-        sheet: sheet::ContactSheet::default(),
-        film: None,
-        drawn: Vec::new(),
-    };
+    let mut painter = Painter::new(arguments, settings, &out);
     let world = Arc::new(World::new(&start, TreePreset::default()));
     let bar = progress::bar(pool.photons(), "initial light", common.quiet);
     let solution = Solution::shoot(pool, world, FirstHits::AsLampsSay, &mut |photons, _| {
@@ -188,8 +160,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             painter.paint_cameras(&mut renderer, &solution, asked.map(|(file, (_, view))| (file, *view)))
         }
         Some(moves) => {
-            painter.film = film::Film::start(&out, moves.fps / arguments.every as f64);
-            painter.paint_script(&mut renderer, &mut solution, moves, |at| looked_through(at).unwrap_or(first))
+            painter.film(moves.fps / arguments.every as f64);
+            play(&mut painter, &mut renderer, &mut solution, moves, |at| looked_through(at).unwrap_or(first))
         }
     };
     painter.finish(&scene, &renderer, moves.map(|m| m.fps), solution.pool().photons(), result)
@@ -207,278 +179,63 @@ fn frame_file(frame: u64) -> String {
     format!("frame_{frame:05}.png")
 }
 
-/// When a frame is.
-#[derive(Clone, Copy)]
-struct Moment {
-    frame: u64,
-    /// Seconds.
-    time: f64,
-    /// Of repair, so far.
-    rays: u64,
-}
-
-/// Draws frames and keeps account of them.
-struct Painter<'a> {
-    arguments: &'a Arguments,
-    settings: Settings,
-    out: &'a Path,
-    light: IndirectLight,
-    /// What the light will be, for `--show stale`.
-    drained: Option<Solution>,
-    warned_inside: bool,
-    sheet: sheet::ContactSheet,
-    film: Option<film::Film>,
-    drawn: Vec<Drawn>,
-}
-
-impl Painter<'_> {
-    /// A picture for each camera.
-    fn paint_cameras(
-        &mut self,
-        renderer: &mut Renderer,
-        solution: &Solution,
-        views: impl Iterator<Item = (String, View)>,
-    ) -> Result<(), Failure> {
-        for (number, (file, view)) in (0..).zip(views) {
-            self.paint(renderer, solution, &view, Moment { frame: number, time: 0.0, rays: 0 }, file)?;
-            if progress::interrupted() {
-                break;
+/// The frames of a script, until the last edit and camera key are over and the light is exact.
+fn play(
+    painter: &mut Painter,
+    renderer: &mut Renderer,
+    solution: &mut Solution,
+    moves: &Moves,
+    looked_through: impl Fn(f64) -> View,
+) -> Result<(), Failure> {
+    let &Arguments { work, every, size: [width, height], common, .. } = painter.arguments;
+    let mut configuration = solution.world().configuration().clone();
+    let up = configuration.scene().up;
+    let steps: Vec<(f64, Edit)> = timeline::timeline(moves, &configuration)?;
+    let last = steps.last().map_or(0.0, |(at, _)| *at).max(moves.cameras.last().map_or(0.0, |key| key.at));
+    let last_frame = (last * moves.fps - 1e-9).ceil().max(0.0) as u64;
+    let mut steps = steps.into_iter().peekable();
+    // Rays that were traced, and those that found nothing to repair.
+    let (mut rays, mut unused) = (0, 0);
+    let bar = progress::bar(last_frame.saturating_add(1), "frames", common.quiet);
+    for frame in 0..=last_frame.saturating_add(MOST_FRAMES) {
+        let time = frame as f64 / moves.fps;
+        let view = looked_through(time);
+        let due = frame.saturating_mul(work);
+        if frame > 0 {
+            solution.look(Some(Frustum::new(&view, up, f64::from(width) / f64::from(height))));
+            // Group by group, so that Ctrl-C need not wait for a long round.
+            while rays + unused < due && solution.stale_groups() > 0 && !progress::interrupted() {
+                rays += solution.repair_round(1).rays;
             }
         }
-        Ok(())
-    }
-
-    /// The frames of a script, until the last edit and camera key are over and the light is exact.
-    fn paint_script(
-        &mut self,
-        renderer: &mut Renderer,
-        solution: &mut Solution,
-        moves: &Moves,
-        looked_through: impl Fn(f64) -> View,
-    ) -> Result<(), Failure> {
-        let &Arguments { work, every, size: [width, height], common, .. } = self.arguments;
-        let mut configuration = solution.world().configuration().clone();
-        let up = configuration.scene().up;
-        let steps: Vec<(f64, Edit)> = timeline::timeline(moves, &configuration)?;
-        let last = steps.last().map_or(0.0, |(at, _)| *at).max(moves.cameras.last().map_or(0.0, |key| key.at));
-        let last_frame = (last * moves.fps - 1e-9).ceil().max(0.0) as u64;
-        let mut steps = steps.into_iter().peekable();
-        // Rays that were traced, and those that found nothing to repair.
-        let (mut rays, mut unused) = (0, 0);
-        let bar = progress::bar(last_frame.saturating_add(1), "frames", common.quiet);
-        for frame in 0..=last_frame.saturating_add(MOST_FRAMES) {
-            let time = frame as f64 / moves.fps;
-            let view = looked_through(time);
-            let due = frame.saturating_mul(work);
-            if frame > 0 {
-                solution.look(Some(Frustum::new(&view, up, f64::from(width) / f64::from(height))));
-                // Group by group, so that Ctrl-C need not wait for a long round.
-                while rays + unused < due && solution.stale_groups() > 0 && !progress::interrupted() {
-                    rays += solution.repair_round(1).rays;
-                }
-            }
-            if solution.stale_groups() == 0 {
-                unused = unused.max(due.saturating_sub(rays));
-            }
-            if progress::interrupted() {
-                break;
-            }
-            let mut changed = false;
-            while let Some((_, edit)) = steps.next_if(|(at, _)| *at <= time + 1e-9) {
-                configuration = configuration.apply(&edit)?;
-                changed = true;
-            }
-            if changed {
-                solution.change(Arc::new(solution.world().moved_to(&configuration)));
-                renderer.show(&configuration)?;
-            }
-            if frame % every == 0 {
-                self.paint(renderer, solution, &view, Moment { frame, time, rays }, frame_file(frame))?;
-            }
-            bar.set_position(frame);
-            let over = frame >= last_frame && steps.peek().is_none() && solution.stale_groups() == 0;
-            // The last frame that is drawn is exact.
-            if over && frame % every == 0 {
-                break;
-            }
-        }
-        bar.finish_and_clear();
-        Ok(())
-    }
-
-    fn paint(
-        &mut self,
-        renderer: &mut Renderer,
-        solution: &Solution,
-        view: &View,
-        moment: Moment,
-        file: String,
-    ) -> Result<(), Failure> {
-        let result = self.draw(renderer, solution, view, moment, file);
-        result.map_err(|failure| match self.drawn.len() {
-            0 => failure,
-            _ => failure.with(&self.kept()),
-        })
-    }
-
-    /// "3 finished frames are kept in out".
-    fn kept(&self) -> String {
-        let finished = match self.drawn.len() {
-            1 => "1 finished frame is".to_owned(),
-            number => format!("{number} finished frames are"),
-        };
-        format!("{finished} kept in {}", self.out.display())
-    }
-
-    fn draw(
-        &mut self,
-        renderer: &mut Renderer,
-        solution: &Solution,
-        view: &View,
-        moment: Moment,
-        file: String,
-    ) -> Result<(), Failure> {
-        let common = &self.arguments.common;
-        let configuration = solution.world().configuration();
-        let start = Instant::now();
-        let scale = Scale::new(solution.world(), solution.pool().photons());
-        let indirect = match self.arguments.show {
-            Show::Elements => Vec::new(),
-            Show::Stale => {
-                self.drain(solution);
-                let right = self.drained.as_ref().map_or(solution.buckets(), |drained| drained.buckets());
-                self.light.outstanding(configuration, solution.buckets(), right, &scale)
-            }
-            _ => self.light.read(configuration, solution.buckets(), &scale),
-        };
-        renderer.light(&indirect)?;
-        renderer.draw(view, &self.settings)?;
-        let times = renderer.finish()?;
-        let took = start.elapsed().as_secs_f64() * 1000.0;
-        if let Some(settings) =
-            self.arguments
-                .show
-                .ranged(&self.settings, self.drawn.is_empty() && self.arguments.range.is_none(), || renderer.samples())?
-        {
-            self.settings = settings;
-            renderer.draw(view, &self.settings)?;
-        }
-        if !self.warned_inside
-            && let Some(object) = renderer.inside(view)
-        {
-            self.warned_inside = true;
-            if !common.quiet {
-                eprintln!(
-                    "warning: at {:.2} s the camera is inside of '{object}': it sees its inside, which no light reaches",
-                    moment.time
-                );
-            }
-        }
-        for warning in renderer.warnings() {
-            if !common.quiet {
-                eprintln!("warning: {warning}");
-            }
-        }
-        let pixels = renderer.picture()?.into_flattened();
-        let [width, height] = self.arguments.size;
-        let picture =
-            image::RgbImage::from_raw(width, height, pixels).ok_or_else(|| Failure::failed("the picture has no pixels"))?;
-        let picture = sheet::with_legend(picture, self.arguments.show, &self.settings)?;
-        output::png(&self.out.join(&file), &picture)?;
-        if self.arguments.exr {
-            let path = self.out.join(&file).with_extension("exr");
-            exr::write(&path, renderer, view, &self.settings, configuration)?;
-        }
-        self.sheet.add(&picture, format!("{:.2} s", moment.time));
-        if let Some(film) = &mut self.film {
-            film.add(&picture);
-        }
-        let photograph = self.arguments.show == Show::Radiance && self.arguments.exposure.is_none();
-        let exposure = if photograph { Some(renderer.exposure()?) } else { None };
-        let Moment { frame, time, rays } = moment;
-        self.drawn.push(Drawn { frame, time, file, stale_groups: solution.stale_groups(), rays, exposure, times: (times, took) });
-        Ok(())
-    }
-
-    /// Brings a copy of the solution to its end, unless that was done already for this configuration.
-    fn drain(&mut self, solution: &Solution) {
-        let known = self.drained.as_ref().is_some_and(|d| Arc::ptr_eq(d.world(), solution.world()));
-        if !known {
-            let mut drained = solution.clone();
-            while drained.repair_next().is_some() {}
-            self.drained = Some(drained);
-        }
-    }
-
-    /// Ends the film and writes the contact sheet and the summary of what was drawn, even if that was not all.
-    fn finish(
-        mut self,
-        scene: &Scene,
-        renderer: &Renderer,
-        fps: Option<f64>,
-        photons: u64,
-        result: Result<(), Failure>,
-    ) -> Result<(), Failure> {
-        let film = self.film.take();
-        let ffmpeg = film.is_some();
-        let film = film.map(|film| film.finish(self.out, self.arguments.common.quiet)).transpose().map(Option::flatten);
-        let accounts = film.and_then(|film| self.account(scene, renderer, fps, photons, film).map(|()| film));
-        let film = result.and_then(|()| accounts)?;
-        if self.arguments.common.talks() {
-            let more = match (film, fps) {
-                (Some(film), _) => format!(", {}", self.out.join(film).display()),
-                (None, Some(_)) if !ffmpeg => " (no film: ffmpeg is not installed)".to_owned(),
-                (None, _) => String::new(),
-            };
-            let number = self.drawn.len();
-            let plural = if number == 1 { "" } else { "s" };
-            say(&format!("{number} frame{plural}: {}{more}", self.out.join("*.png").display()));
+        if solution.stale_groups() == 0 {
+            unused = unused.max(due.saturating_sub(rays));
         }
         if progress::interrupted() {
-            return Err(Failure::failed(format!("interrupted; {}", self.kept())));
+            break;
         }
-        Ok(())
+        let mut changed = false;
+        while let Some((_, edit)) = steps.next_if(|(at, _)| *at <= time + 1e-9) {
+            configuration = configuration.apply(&edit)?;
+            changed = true;
+        }
+        if changed {
+            solution.change(Arc::new(solution.world().moved_to(&configuration)));
+            renderer.show(&configuration)?;
+        }
+        if frame % every == 0 {
+            painter.paint(renderer, solution, &view, Moment { frame, time, rays }, frame_file(frame))?;
+        }
+        bar.set_position(frame);
+        let over = frame >= last_frame && steps.peek().is_none() && solution.stale_groups() == 0;
+        // The last frame that is drawn is exact.
+        if over && frame % every == 0 {
+            break;
+        }
     }
-
-    /// Writes the contact sheet and the summary.
-    fn account(
-        &self,
-        scene: &Scene,
-        renderer: &Renderer,
-        fps: Option<f64>,
-        photons: u64,
-        film: Option<&str>,
-    ) -> Result<(), Failure> {
-        let contact = self.sheet.write(self.out)?;
-        let [width, height] = self.arguments.size;
-        let summary = json!({
-            "scene": scene.name, "driver": renderer.device().name, "width": width, "height": height, "samples": self.arguments.aa * self.arguments.aa,
-            "photons": photons, "work": self.arguments.work, "fps": fps, "threads": rayon::current_num_threads(),
-            "triangles": scene.triangles(), "cells": scene.cells(), "interrupted": progress::interrupted(),
-            "contact_sheet": contact, "film": film, "milliseconds": milliseconds(&self.drawn),
-            "frames": self.drawn.iter().map(frame_json).collect::<Vec<_>>(),
-        });
-        output::json(Some(&self.out.join("summary.json")), &summary, self.arguments.common.json)
+    bar.finish_and_clear();
+    if solution.stale_groups() > 0 && !progress::interrupted() && !common.quiet {
+        eprintln!("warning: {MOST_FRAMES} frames after the end of the script the light is not exact yet; give it more --work");
     }
-}
-
-fn frame_json(drawn: &Drawn) -> Value {
-    json!({
-        "frame": drawn.frame, "time": drawn.time, "file": drawn.file, "stale_groups": drawn.stale_groups, "exact": drawn.stale_groups == 0,
-        "rays": drawn.rays, "exposure": drawn.exposure,
-    })
-}
-
-/// Medians over the frames; the whole includes reading the buckets and drawing, but not reading back and writing the picture.
-fn milliseconds(drawn: &[Drawn]) -> Value {
-    let median = |of: &dyn Fn(&Drawn) -> f64| {
-        let mut values: Vec<f64> = drawn.iter().map(of).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied()
-    };
-    json!({
-        "preparation": median(&|d| d.times.0.preparation), "prepass": median(&|d| d.times.0.prepass),
-        "shadows": median(&|d| d.times.0.shadows), "composition": median(&|d| d.times.0.composition),
-        "exposure": median(&|d| d.times.0.exposure), "tone": median(&|d| d.times.0.tone), "frame": median(&|d| d.times.1),
-    })
+    Ok(())
 }

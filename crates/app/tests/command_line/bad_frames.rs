@@ -125,5 +125,7 @@ fn frames_before_a_failure_are_kept() {
     let whole = ["frame_00000.png", "frame_00001.png", "frame_00002.png"];
     assert_eq!(desk.names("out"), ["contact.png", whole[0], whole[1], whole[2], "frame_00003.png", "summary.json"]);
     whole.iter().for_each(|name| assert_eq!(desk.picture(&format!("out/{name}")).dimensions(), (64, 48)));
-    assert_eq!(desk.json("out/summary.json")["frames"].as_array().expect("frames").len(), 3);
+    let summary = desk.json("out/summary.json");
+    assert_eq!(summary["frames"].as_array().expect("frames").len(), 3);
+    assert!(run.stderr.contains(summary["failed"].as_str().expect("a line")), "{summary}");
 }

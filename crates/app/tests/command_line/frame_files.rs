@@ -118,6 +118,7 @@ fn the_summary_keeps_the_contract() {
         ("fps", 10.0.into()),
         ("threads", 2.into()),
         ("interrupted", false.into()),
+        ("failed", Value::Null),
         ("contact_sheet", "contact.png".into()),
     ] {
         assert_eq!(printed[key], value, "{key}");

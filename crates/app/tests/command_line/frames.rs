@@ -138,6 +138,17 @@ fn much_work_is_exact_in_the_next_frame() {
 }
 
 #[test]
+fn light_that_stays_behind_is_told() {
+    let desk = Desk::new();
+    desk.script(&[(0.1, AWAY)], &[]);
+    let run = desk.run("frames cornell.ron --size 64x48 --photons 20000 --script m.ron --out out --work 1 --every 500");
+    assert_eq!((run.status, run.stderr.lines().count()), (Some(0), 1), "{}", run.stderr);
+    assert!(run.stderr.starts_with("warning: ") && run.stderr.contains("--work"), "{}", run.stderr);
+    assert_eq!(told(&desk, "out", "frame"), [0, 500, 1000]);
+    assert_eq!(told(&desk, "out", "exact"), [true, false, false]);
+}
+
+#[test]
 fn every_leaves_frames_out_and_changes_none() {
     let desk = Desk::new();
     desk.script(&[(0.1, AWAY)], &[]);
