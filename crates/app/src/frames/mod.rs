@@ -33,8 +33,8 @@ pub struct Arguments {
     /// Moves file, with camera keys if the camera moves; without it one picture is drawn for each of the scene's cameras
     #[arg(long, value_name = "MOVES")]
     script: Option<PathBuf>,
-    /// Folder for frame_00000.png and so on, contact.png, summary.json, and film.mp4 if ffmpeg is installed; those of an earlier run
-    /// are removed
+    /// Folder for frame_00000.png and so on, contact.png, summary.json, and film.mp4 if ffmpeg is installed. Frames, sheet and film
+    /// that an earlier run left there are removed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Pixels

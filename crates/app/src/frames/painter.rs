@@ -120,6 +120,9 @@ impl<'a> Painter<'a> {
     ) -> Result<(), Failure> {
         let common = &self.arguments.common;
         let configuration = solution.world().configuration();
+        // A frame is known by its time, a camera's picture by its name.
+        let is_frame = file == super::frame_file(moment.frame);
+        let label = if is_frame { format!("{:.2} s", moment.time) } else { file.trim_end_matches(".png").to_owned() };
         let start = Instant::now();
         let scale = Scale::new(solution.world(), solution.pool().photons());
         let indirect = match self.arguments.show {
@@ -148,10 +151,8 @@ impl<'a> Painter<'a> {
         {
             self.warned_inside = true;
             if !common.quiet {
-                eprintln!(
-                    "warning: at {:.2} s the camera is inside of '{object}': it sees its inside, which no light reaches",
-                    moment.time
-                );
+                let when = if is_frame { format!("at {label}") } else { format!("in {file}") };
+                eprintln!("warning: {when} the camera is inside of '{object}': it sees its inside, which no light reaches");
             }
         }
         for warning in renderer.warnings() {
@@ -169,7 +170,7 @@ impl<'a> Painter<'a> {
             let path = self.out.join(&file).with_extension("exr");
             exr::write(&path, renderer, view, &self.settings, configuration)?;
         }
-        self.sheet.add(&picture, format!("{:.2} s", moment.time));
+        self.sheet.add(&picture, label);
         if let Some(film) = &mut self.film {
             film.add(&picture);
         }

@@ -213,6 +213,10 @@ fn a_camera_inside_of_an_object_is_told_once() {
     assert!(run.stderr.starts_with("warning: at 0.10 s ") && run.stderr.contains("'short box'"), "{}", run.stderr);
     assert_eq!(told(&desk, "out", "frame").len(), 5);
     desk.frames("cornell.ron", "--script m.ron --out quiet");
+    desk.change("eye: (1.0, -2.7, 1.0)", "eye: (1.32, 0.68, 0.3)");
+    let run = desk.run("frames cornell.ron --size 64x48 --photons 20000 --out still");
+    assert!(run.stderr.starts_with("warning: in front.png ") && run.stderr.lines().count() == 1, "{}", run.stderr);
+    assert!(run.status == Some(0) && desk.path("still/front.png").is_file());
 }
 
 #[test]
