@@ -15,13 +15,15 @@ const HEIGHT: u32 = 480;
 /// Samples per pixel, along each side.
 const GRID: u32 = 2;
 
-/// A file name for the picture of each camera: its name where a file can be called so, numbered where two would be the same.
-pub fn file_names(scene: &Scene) -> Vec<String> {
+/// A file name for the picture of each camera: its name where a file can be called so, numbered where two would be the same, or the
+/// same as one that is `taken`.
+pub fn file_names(scene: &Scene, taken: &[&str]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (name, _) in &scene.cameras {
         let plain: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
         let numbered = (2..).map(|n| format!("{plain}_{n}.png"));
-        let free = std::iter::once(format!("{plain}.png")).chain(numbered).find(|n| !names.contains(n));
+        let free =
+            std::iter::once(format!("{plain}.png")).chain(numbered).find(|n| !names.contains(n) && !taken.contains(&n.as_str()));
         names.extend(free);
     }
     names

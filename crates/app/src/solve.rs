@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // Nothing is repaired here, so the fewest pilots do, and a run that ends early keeps what it shot.
     let pool = arguments.pool.smallest(&scene)?.grown(photons);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let pictures = picture::file_names(&scene);
+    let pictures = picture::file_names(&scene, &[]);
     let files = [&["summary.json".to_owned(), SOLUTION.to_owned()], &pictures[..]].concat();
     let out = arguments.out.as_deref().map(|out| output::folder(out, &files)).transpose()?;
 

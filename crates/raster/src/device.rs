@@ -3,6 +3,7 @@
 //! One tier: what WebGPU guarantees, a depth buffer with stencil, and timestamps where there are any. Lavapipe, Mesa's software
 //! Vulkan, has all of it, so frames can be drawn where there is no graphics card.
 
+use crate::targets::{IDS, LIGHT, MASKS, MEASURED};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Why nothing can be drawn. `Display` is one line for the user.
@@ -86,7 +87,20 @@ impl Device {
         let wanted = std::env::var("WGPU_ADAPTER_NAME").ok().map(|name| name.to_lowercase());
         let mut adapters = instance.enumerate_adapters(backends).await;
         adapters.retain(|a| wanted.as_ref().is_none_or(|name| a.get_info().name.to_lowercase().contains(name)));
-        // A graphics card before software, Vulkan before OpenGL; otherwise in the driver loader's order.
+        let stencil = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+        let fault = |adapter: &wgpu::Adapter| {
+            let draws_into = |format| {
+                adapter.get_texture_format_features(format).allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
+            };
+            if !adapter.features().contains(stencil) {
+                Some("it has no 32-bit depth buffer with a stencil")
+            } else if ![IDS, MASKS, LIGHT, MEASURED].into_iter().all(draws_into) {
+                Some("it cannot draw into textures of 32-bit numbers")
+            } else {
+                None
+            }
+        };
+        // What can draw, a graphics card before software, Vulkan before OpenGL; otherwise in the driver loader's order.
         let rank = |adapter: &wgpu::Adapter| {
             let info = adapter.get_info();
             let kind = match info.device_type {
@@ -95,7 +109,7 @@ impl Device {
                 wgpu::DeviceType::VirtualGpu => 2,
                 _ => 3,
             };
-            (kind, u8::from(info.backend != wgpu::Backend::Vulkan))
+            (fault(adapter).is_some(), kind, u8::from(info.backend != wgpu::Backend::Vulkan))
         };
         adapters.sort_by_key(rank);
         let Some(adapter) = adapters.first() else {
@@ -107,10 +121,9 @@ impl Device {
         };
         let info = adapter.get_info();
         let name = format!("{}, {:?}", info.name, info.backend);
-        let stencil = wgpu::Features::DEPTH32FLOAT_STENCIL8;
         let refused = |why: String| RasterError::Refused { driver: name.clone(), why };
-        if !adapter.features().contains(stencil) {
-            return Err(refused("it has no 32-bit depth buffer with a stencil".into()));
+        if let Some(why) = fault(adapter) {
+            return Err(refused(why.into()));
         }
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {

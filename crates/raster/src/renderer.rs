@@ -359,6 +359,7 @@ fn seen_vertices(geometry: &Geometry, camera: &Camera, counts: impl Fn(&Thing) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
     use lightmend_scene::{Edit, Scene};
     use std::path::Path;
 
@@ -377,13 +378,35 @@ mod tests {
         };
         assert!(made(&before) > 100, "at first all are new");
         assert_eq!(made(&before), 0, "nothing moves");
-        let to = glam::DVec3::new(2.0, 3.0, 0.0);
+        let to = DVec3::new(2.0, 3.0, 0.0);
         let moved = before.apply(&Edit::Move { object: "table".into(), to }).unwrap();
         // The table, two cups, the bowl and its fruit, for each of four lamps at most.
         assert!((1..=20).contains(&made(&moved)));
-        let to = glam::DVec3::new(1.9, 3.0, 1.85);
+        let to = DVec3::new(1.9, 3.0, 1.85);
         let lamp = moved.apply(&Edit::MoveLamp { lamp: "pendant".into(), to }).unwrap();
         let count = made(&lamp);
         assert!((20..=50).contains(&count), "all of one lamp: {count}");
+    }
+
+    #[test]
+    fn a_lost_device_is_told() {
+        let view = View { eye: DVec3::Y, target: DVec3::ZERO, fov: 40.0 };
+        let settings = |width| Settings { width, height: 8, grid: 1, parts: Parts::RADIANCE, look: Look::Plain };
+        // Lost before anything was drawn, and between two frames; the second of another size needs new textures.
+        for (before, after) in [(None, 8), (Some(8), 8), (Some(8), 16)] {
+            let mut renderer = Renderer::new(Arc::new(Device::headless().unwrap())).unwrap();
+            if let Some(width) = before {
+                renderer.draw(&view, &settings(width)).unwrap();
+                renderer.finish().unwrap();
+            }
+            renderer.device().device.destroy();
+            let drawn = renderer.draw(&view, &settings(after));
+            let finished = drawn.and_then(|()| renderer.finish().map(|_| ()));
+            assert!(matches!(finished, Err(RasterError::Lost(_))), "{finished:?}");
+            let light = renderer.light(&Vec::new());
+            assert!(matches!(light, Err(RasterError::Lost(_))), "{light:?}");
+            assert!(renderer.picture().is_err() && renderer.samples().is_err() && renderer.exposure().is_err());
+            assert!(matches!(Renderer::new(renderer.device().clone()), Err(RasterError::Lost(_))));
+        }
     }
 }

@@ -232,7 +232,7 @@ mod tests {
         // Infinity is far away here.
         let place = |index: u32| {
             let p = caster.positions[(index / 2) as usize];
-            if index % 2 == 0 { p } else { p + (p - lamp) * 1e4 }
+            if index.is_multiple_of(2) { p } else { p + (p - lamp) * 1e4 }
         };
         let direction = to - from;
         indices

@@ -19,7 +19,7 @@ pub struct Film {
 
 impl Film {
     /// Starts ffmpeg; `None` if it is not there.
-    pub fn start(out: &Path, fps: f64, [width, height]: [u32; 2]) -> Option<Film> {
+    pub fn start(out: &Path, fps: f64) -> Option<Film> {
         let beside = out.join(format!(".film.{}.part", std::process::id()));
         let mut command = Command::new("ffmpeg");
         command.args([
@@ -36,7 +36,10 @@ impl Film {
             "-",
         ]);
         // H.264 in this form has sides of even numbers of pixels.
-        command.args(["-vf", &format!("crop={}:{}:0:0", width & !1, height & !1)]);
+        command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]);
+        // Ctrl-C on the terminal is for us: the film ends with the last finished frame.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
         command.args(["-pix_fmt", "yuv420p", "-f", "mp4"]).arg(&beside);
         let child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()?;
         Some(Film { child, beside })
@@ -51,14 +54,16 @@ impl Film {
         }
     }
 
-    /// Ends the film; its name, or `None` with a warning if ffmpeg failed.
-    pub fn finish(mut self, out: &Path) -> Result<Option<&'static str>, Failure> {
+    /// Ends the film; its name, or `None` with a warning, unless `quiet`, if ffmpeg failed.
+    pub fn finish(mut self, out: &Path, quiet: bool) -> Result<Option<&'static str>, Failure> {
         drop(self.child.stdin.take());
-        let done = self.child.wait().is_ok_and(|status| status.success());
+        let done = self.child.wait().is_ok_and(|status| status.success()) && self.beside.is_file();
         if !done {
             // What it left is of no use.
             let _ = std::fs::remove_file(&self.beside);
-            eprintln!("warning: ffmpeg failed: there is no film, but all frames are there");
+            if !quiet {
+                eprintln!("warning: ffmpeg failed: there is no film, but the frames are there");
+            }
             return Ok(None);
         }
         let path = out.join(FILE);

@@ -51,6 +51,17 @@ impl Show {
         }
     }
 
+    /// Refuses options that would have no effect.
+    pub fn check(self, range: bool, exposure: bool) -> Result<(), Failure> {
+        if range && self.title().is_none() {
+            return Err(Failure::input("--range: only illuminance, indirect and stale are drawn on a scale; see --show"));
+        }
+        if exposure && self != Show::Radiance {
+            return Err(Failure::input("--exposure: only radiance is exposed; give --range for false colours"));
+        }
+        Ok(())
+    }
+
     /// How it is drawn.
     pub fn settings(self, [width, height]: [u32; 2], grid: u32, range: Option<Range>, exposure: Option<f32>) -> Settings {
         let (parts, usual) = match self {

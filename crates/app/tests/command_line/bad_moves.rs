@@ -6,9 +6,11 @@ use crate::desk::Desk;
 fn refused(edit: &str, told: &[&str]) {
     let desk = Desk::new();
     desk.moves(&["Turn(object: \"tall box\", to: (0.0, 0.0, 48.0))", edit]);
-    for command in
-        ["replay cornell.ron --photons 20000 --script m.ron --out out", "apply cornell.ron --script m.ron --out after.ron"]
-    {
+    for command in [
+        "replay cornell.ron --photons 20000 --script m.ron --out out",
+        "frames cornell.ron --photons 20000 --script m.ron --out out",
+        "apply cornell.ron --script m.ron --out after.ron",
+    ] {
         desk.refuses(command, &[&["m.ron"], told].concat());
     }
 }

@@ -110,6 +110,43 @@ impl Desk {
         found
     }
 
+    /// Draws small frames of a scene with few photons, quietly.
+    pub fn frames(&self, scene: &str, arguments: &str) {
+        self.done(&format!("frames {scene} --size 64x48 --photons 20000 --quiet {arguments}"));
+    }
+
+    /// Writes a moves file for ten frames a second, `m.ron`: edits and camera keys with their times.
+    pub fn script(&self, edits: &[(f64, &str)], cameras: &[&str]) {
+        let edits: String = edits.iter().map(|(at, edit)| format!("(at: {at:?}, edit: {edit}),\n")).collect();
+        self.write("m.ron", format!("(fps: 10.0, edits: [\n{edits}], cameras: [{}])", cameras.join(", ")));
+    }
+
+    /// Names of the files in a folder, in order.
+    pub fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
+        let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("an entry").file_name().to_string_lossy().into_owned();
+        let mut names: Vec<String> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub fn picture(&self, name: &str) -> image::RgbImage {
+        image::open(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}")).into_rgb8()
+    }
+
+    /// The channels of an EXR, by name.
+    pub fn channels(&self, name: &str) -> BTreeMap<String, Vec<f32>> {
+        use exr::prelude::*;
+        let image = read_first_flat_layer_from_file(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let name = |text: &Text| std::str::from_utf8(text.as_slice()).expect("UTF-8").to_owned();
+        let channels = image.layer_data.channel_data.list.iter();
+        channels.map(|c| (name(&c.name), c.sample_data.values_as_f32().collect())).collect()
+    }
+
     /// Writes a moves file of these edits, `m.ron`.
     pub fn moves(&self, edits: &[&str]) {
         let edits: String = edits.iter().enumerate().map(|(at, edit)| format!("(at: {at}.0, edit: {edit}),\n")).collect();

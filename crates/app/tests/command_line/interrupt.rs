@@ -78,3 +78,27 @@ fn replay_keeps_whole_edits() {
         assert!(summary["edits"].as_array().expect("edits").len() < 400);
     }
 }
+
+#[test]
+fn frames_keeps_whole_frames() {
+    let desk = Desk::new();
+    desk.script(&[(10_000.0, "Move(object: \"short box\", to: (1.5, 0.45, 0.0))")], &[]);
+    let (status, stdout, stderr) =
+        interrupted(&desk, "frames cornell.ron --size 64x48 --photons 20000 --script m.ron --out out --json");
+    assert_eq!(status, Some(1), "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
+    no_half_file(&desk);
+    // Either the initial light was not yet done, and nothing is kept, or the frames so far are.
+    if desk.path("out/summary.json").exists() {
+        let summary = desk.json("out/summary.json");
+        assert_eq!(summary["interrupted"], true);
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&stdout).expect("one JSON document"), summary);
+        let frames = summary["frames"].as_array().expect("frames");
+        for frame in frames {
+            desk.picture(&format!("out/{}", frame["file"].as_str().expect("a name")));
+        }
+        let drawn = desk.names("out").into_iter().filter(|name| name.starts_with("frame_")).count();
+        assert_eq!(drawn, frames.len());
+        assert!(stderr.contains(&format!("{drawn} finished frame")), "{stderr}");
+    }
+}

@@ -60,7 +60,7 @@ fn results_are_named_on_standard_output() {
 fn help_and_version_are_no_failures() {
     let desk = Desk::new();
     assert!(desk.done("--version").starts_with("lightmend "));
-    for command in ["", "solve", "replay", "apply", "probe", "check", "import"] {
+    for command in ["", "solve", "frames", "replay", "apply", "probe", "check", "import"] {
         let help = desk.done(&format!("{command} --help"));
         assert!(help.contains("Usage: lightmend"), "{help}");
     }
