@@ -89,7 +89,7 @@ pub struct Lamps {
     /// In order of their names: the order of masks' channels.
     pub drawn: Vec<DrawnLamp>,
     maps: Vec<(Arc<Photometry>, CubeMap, u32)>,
-    /// Of [`GpuLamp`]s.
+    /// The drawn lamps as shaders see them.
     pub buffer: wgpu::Buffer,
     /// Candela.
     pub cube_maps: Table,

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Intervals along a face's edge, at first and at most. The finest takes 25 megabytes, the next 6: it is for what would be
 /// [`bad`](CubeMap::bad) otherwise.
 const COARSEST: u32 = 16;
-/// See [`COARSEST`].
+/// Intervals along a face's edge at most.
 pub const FINEST: u32 = 1024;
 
 /// In C the error is looked for at least so often, degrees; no divisor of a right angle, so that the faces are not met alike.

@@ -92,7 +92,7 @@ pub struct Volumes {
     /// Their triangles.
     pub arena: wgpu::Buffer,
     used: u32,
-    /// A [`Cast`] for each part of a volume that is drawn.
+    /// Lamp and end of each part of a volume that is drawn.
     pub casts: wgpu::Buffer,
     /// How many volumes were made anew for the last picture; all others were kept.
     pub made: usize,

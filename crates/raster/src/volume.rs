@@ -28,7 +28,7 @@ const fn vertex(v: u32, at_infinity: bool) -> u32 {
     2 * v + at_infinity as u32
 }
 
-/// Triangles of a whole volume; indices as of [`vertex`].
+/// Triangles of a whole volume; an index is twice the vertex, and one more for where it goes at infinity.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Whole {
     /// Sides and far ends, fronts outwards.
