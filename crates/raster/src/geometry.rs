@@ -2,6 +2,7 @@
 //! indirect light at their lattice points. What did not move or change is left as it is.
 
 use crate::{
+    bounds::Bounds,
     device::{Device, RasterError},
     frame::NONE,
     table::Table,
@@ -56,14 +57,16 @@ pub struct Thing {
     pub hidden: bool,
     /// Whether anything of it has a texture.
     pub textured: bool,
-    /// Its surface in the world.
-    pub caster: Caster,
+    /// Its surface in the world, in parts that cast shadows each for itself.
+    pub casters: Vec<Caster>,
+    /// The first vertex of the shadow volumes of each of them.
+    pub firsts: Vec<u32>,
+    /// About all of them.
+    pub bounds: Bounds,
     /// Changes when it moves.
     pub version: u64,
     /// Its vertices in the prepass.
     pub vertices: Range<u32>,
-    /// The first vertex of its shadow volumes.
-    pub first_vertex: u32,
     object: Object,
     motion: Motion,
     first_triangle: u32,
@@ -72,11 +75,11 @@ pub struct Thing {
 
 impl Thing {
     fn prepass_vertices(&self) -> Vec<PrepassVertex> {
-        let corner = |v: u32| self.caster.positions[v as usize].as_vec3().to_array();
-        let faces = self.caster.welded.faces.iter();
-        let vertices = faces.flat_map(|face| {
-            let triangle = self.first_triangle + face.source;
-            face.corners.map(|v| PrepassVertex { position: corner(v), triangle })
+        let vertices = self.casters.iter().flat_map(|caster| {
+            caster.welded.faces.iter().flat_map(|face| {
+                let triangle = self.first_triangle + face.source;
+                face.corners.map(|v| PrepassVertex { position: caster.positions[v as usize].as_vec3().to_array(), triangle })
+            })
         });
         vertices.collect()
     }
@@ -86,7 +89,7 @@ impl Thing {
             let [x, y, z] = p.as_vec3().to_array();
             [[x, y, z, 1.0], [x, y, z, 0.0]]
         };
-        self.caster.positions.iter().flat_map(pair).collect()
+        self.casters.iter().flat_map(|caster| &caster.positions).flat_map(pair).collect()
     }
 
     /// `lit` is the first irradiance of the front and of the back.
@@ -126,7 +129,7 @@ pub struct Geometry {
     pub things: Vec<Thing>,
     /// Number of the first source triangle of each thing, and one past the last.
     pub firsts: Vec<u32>,
-    welded: Vec<(Arc<Mesh>, Arc<Welded>)>,
+    welded: Vec<(Arc<Mesh>, Parts)>,
     /// Vertices of the prepass.
     pub prepass: wgpu::Buffer,
     /// Vertices of shadow volumes, in pairs.
@@ -161,8 +164,21 @@ fn points_in(lattice: &Lattice, t: usize) -> u32 {
     (n + 1) * (n + 2) / 2
 }
 
-fn world_positions(positions: &[DVec3], motion: &Motion) -> Vec<DVec3> {
-    positions.iter().map(|p| motion.point(*p).as_vec3().as_dvec3()).collect()
+/// Diagonal of the boxes of casters, as a share of the scene's reach. Smaller: shadows are drawn in smaller parts of the picture, in more
+/// pieces.
+const PART: f64 = 1.0 / 2.0;
+
+/// Parts of a mesh.
+type Parts = Arc<[Arc<Welded>]>;
+
+/// Parts where they stand.
+fn casters(parts: &[Arc<Welded>], motion: &Motion) -> Vec<Caster> {
+    let place = |p: &DVec3| motion.point(*p).as_vec3().as_dvec3();
+    parts.iter().map(|part| Caster::new(part.clone(), part.positions.iter().map(place).collect())).collect()
+}
+
+fn about(casters: &[Caster]) -> Bounds {
+    Bounds::about(casters.iter().flat_map(|caster| [caster.bounds.low, caster.bounds.high]))
 }
 
 impl Geometry {
@@ -209,10 +225,11 @@ impl Geometry {
         if repainted { self.paint(device) } else { Ok(()) }
     }
 
-    fn weld(&mut self, present: &[(usize, &Object)]) -> Vec<Arc<Welded>> {
+    /// The parts of each object's mesh; `size` is the diagonal of their boxes that suffices.
+    fn weld(&mut self, present: &[(usize, &Object)], size: f64) -> Vec<Parts> {
         self.welded.retain(|(mesh, _)| present.iter().any(|(_, object)| Arc::ptr_eq(&object.mesh, mesh)));
-        let known = |welded: &[(Arc<Mesh>, Arc<Welded>)], mesh: &Arc<Mesh>| {
-            welded.iter().find(|(m, _)| Arc::ptr_eq(m, mesh)).map(|(_, w)| w.clone())
+        let known = |welded: &[(Arc<Mesh>, Parts)], mesh: &Arc<Mesh>| {
+            welded.iter().find(|(m, _)| Arc::ptr_eq(m, mesh)).map(|(_, parts)| parts.clone())
         };
         let mut new: Vec<Arc<Mesh>> = Vec::new();
         for (_, object) in present {
@@ -220,7 +237,8 @@ impl Geometry {
                 new.push(object.mesh.clone());
             }
         }
-        let welded: Vec<_> = new.par_iter().map(|mesh| (mesh.clone(), Arc::new(Welded::new(mesh)))).collect();
+        let parts = |mesh: &Arc<Mesh>| Welded::new(mesh).parts(size).into_iter().map(Arc::new).collect();
+        let welded: Vec<_> = new.par_iter().map(|mesh| (mesh.clone(), parts(mesh))).collect();
         self.welded.extend(welded);
         present.iter().filter_map(|(_, object)| known(&self.welded, &object.mesh)).collect()
     }
@@ -231,32 +249,37 @@ impl Geometry {
         configuration: &Configuration,
         present: &[(usize, &Object)],
     ) -> Result<(), RasterError> {
-        let shapes = self.weld(present);
+        let shapes = self.weld(present, configuration.reach() * PART);
         let (mut vertices, mut pairs, mut triangles, mut materials) = (0u32, 0u32, 0u32, 0u32);
         self.firsts = vec![0];
         self.things = present
             .iter()
             .zip(shapes)
-            .map(|((id, object), welded)| {
+            .map(|((id, object), parts)| {
                 self.version += 1;
                 let motion = configuration.object_motion(*id);
-                let positions = world_positions(&welded.positions, &motion);
+                let casters = casters(&parts, &motion);
+                let faces: usize = parts.iter().map(|part| part.faces.len()).sum();
+                let firsts = casters.iter().map(|caster| {
+                    pairs += caster.positions.len() as u32;
+                    pairs - caster.positions.len() as u32
+                });
                 let thing = Thing {
+                    firsts: firsts.collect(),
+                    bounds: about(&casters),
                     id: *id,
                     name: object.name.clone(),
                     hidden: object.hidden_from_camera,
                     textured: false,
                     version: self.version,
-                    vertices: vertices..vertices + 3 * welded.faces.len() as u32,
-                    first_vertex: pairs,
+                    vertices: vertices..vertices + 3 * faces as u32,
                     object: (*object).clone(),
                     motion,
                     first_triangle: triangles,
                     first_material: materials,
-                    caster: Caster::new(welded, positions),
+                    casters,
                 };
                 vertices = thing.vertices.end;
-                pairs += thing.caster.positions.len() as u32;
                 triangles += object.mesh.triangles.len() as u32;
                 materials += object.materials.len() as u32;
                 self.firsts.push(triangles);
@@ -315,13 +338,14 @@ impl Geometry {
     fn place(&mut self, device: &Device, number: usize, motion: Motion) {
         self.version += 1;
         let thing = &mut self.things[number];
-        let positions = world_positions(&thing.caster.welded.positions, &motion);
-        thing.caster = Caster::new(thing.caster.welded.clone(), positions);
+        let parts: Vec<_> = thing.casters.iter().map(|caster| caster.welded.clone()).collect();
+        thing.casters = casters(&parts, &motion);
+        thing.bounds = about(&thing.casters);
         (thing.motion, thing.version) = (motion, self.version);
         let thing = &self.things[number];
         let offset = u64::from(thing.vertices.start) * size_of::<PrepassVertex>() as u64;
         device.queue.write_buffer(&self.prepass, offset, bytemuck::cast_slice(&thing.prepass_vertices()));
-        let offset = u64::from(thing.first_vertex) * 32;
+        let offset = u64::from(thing.firsts.first().copied().unwrap_or(0)) * 32;
         device.queue.write_buffer(&self.volume, offset, bytemuck::cast_slice(&thing.volume_vertices()));
         self.write_triangles(device, number);
     }

@@ -101,7 +101,7 @@ impl Renderer {
 
     /// The closed object that the eye is inside of, if any: the camera then sees its inside, which no light reaches.
     pub fn inside(&self, view: &View) -> Option<&str> {
-        self.geometry.things.iter().find(|thing| !thing.hidden && thing.caster.holds(view.eye)).map(|thing| thing.name.as_str())
+        self.geometry.things.iter().find(|thing| !thing.hidden && thing.casters.iter().any(|caster| caster.holds(view.eye))).map(|thing| thing.name.as_str())
     }
 
     /// Names of the channels of the masks: the lamps that are drawn, in order, as numbers in the configuration.
@@ -346,7 +346,7 @@ fn begin<'e>(
 /// Vertices of what the camera may see and that `counts`, in as few runs as there are gaps.
 fn seen_vertices(geometry: &Geometry, camera: &Camera, counts: impl Fn(&Thing) -> bool) -> Vec<std::ops::Range<u32>> {
     let mut runs: Vec<std::ops::Range<u32>> = Vec::new();
-    let seen = |thing: &&Thing| !thing.hidden && counts(thing) && camera.may_see(&thing.caster.bounds);
+    let seen = |thing: &&Thing| !thing.hidden && counts(thing) && camera.may_see(&thing.bounds);
     for thing in geometry.things.iter().filter(seen) {
         match runs.last_mut() {
             Some(run) if run.end == thing.vertices.start => run.end = thing.vertices.end,

@@ -11,7 +11,7 @@ use crate::{
     device::{Device, RasterError},
     frame::DrawnLamp,
     geometry::{Geometry, Thing},
-    volume::Whole,
+    volume::{Caster, Whole},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -87,7 +87,7 @@ struct Cast {
 
 /// All volumes, and the arena that holds their triangles.
 pub struct Volumes {
-    /// By lamp in the order of drawing, then by thing.
+    /// By lamp in the order of drawing, then by piece.
     volumes: Vec<Vec<Volume>>,
     /// Their triangles.
     pub arena: wgpu::Buffer,
@@ -101,9 +101,17 @@ pub struct Volumes {
 const INDEX: wgpu::BufferUsages = wgpu::BufferUsages::INDEX;
 const VERTEX: wgpu::BufferUsages = wgpu::BufferUsages::VERTEX;
 
-/// What one caster adds to a lamp's stencil.
+/// A part of a thing, as it casts shadows.
+struct Piece<'a> {
+    thing: &'a Thing,
+    caster: &'a Caster,
+    /// The first vertex of its volumes.
+    first: u32,
+}
+
+/// What one piece adds to a lamp's stencil.
 struct Wanted {
-    thing: usize,
+    piece: usize,
     whole: bool,
     scissor: [u32; 4],
     times: f32,
@@ -129,23 +137,26 @@ impl Volumes {
         let receivers: Vec<(Bounds, Rectangle)> = things
             .iter()
             .filter(|thing| !thing.hidden)
-            .filter_map(|thing| Some((thing.caster.bounds, thing.caster.bounds.in_picture(camera)?)))
+            .filter_map(|thing| Some((thing.bounds, thing.bounds.in_picture(camera)?)))
             .collect();
         // Between the eye and what it sees nothing is outside of this box.
         let stage = receivers.iter().map(|(bounds, _)| bounds);
         let stage = Bounds::about(stage.flat_map(|b| [b.low, b.high]).chain(camera.near_corners()).chain([camera.eye]));
-        let work: Vec<(usize, usize)> = (0..lamps.len()).flat_map(|l| (0..things.len()).map(move |t| (l, t))).collect();
+        let piece = |(thing, (caster, first))| Piece { thing, caster, first };
+        let pieces = things.iter().flat_map(|t| std::iter::repeat(t).zip(t.casters.iter().zip(t.firsts.iter().copied())));
+        let pieces: Vec<Piece> = pieces.map(piece).collect();
+        let work: Vec<(usize, usize)> = (0..lamps.len()).flat_map(|l| (0..pieces.len()).map(move |p| (l, p))).collect();
         let wanted: Vec<Option<Wanted>> = work
             .par_iter()
-            .map(|(lamp, thing)| wanted(&things[*thing], *thing, lamps[*lamp].position, &receivers, &stage, camera, size))
+            .map(|(lamp, piece)| wanted(&pieces[*piece], *piece, lamps[*lamp].position, &receivers, &stage, camera, size))
             .collect();
         self.volumes.resize_with(lamps.len(), Vec::new);
-        self.volumes.iter_mut().for_each(|row| row.resize_with(things.len(), Volume::default));
-        let rows = self.volumes.par_iter_mut().zip(lamps).zip(wanted.par_chunks(things.len().max(1)));
+        self.volumes.iter_mut().for_each(|row| row.resize_with(pieces.len(), Volume::default));
+        let rows = self.volumes.par_iter_mut().zip(lamps).zip(wanted.par_chunks(pieces.len().max(1)));
         let made = rows.map(|((row, lamp), wanted)| {
             let made = row.par_iter_mut().zip(wanted).filter_map(|(volume, wanted)| {
                 let wanted = wanted.as_ref()?;
-                volume.make(&things[wanted.thing], lamp.position, wanted.whole).then_some(())
+                volume.make(&pieces[wanted.piece], lamp.position, wanted.whole).then_some(())
             });
             made.count()
         });
@@ -153,11 +164,11 @@ impl Volumes {
         self.upload(device)?;
         let mut casts: Vec<Cast> = Vec::new();
         let mut all = Vec::new();
-        for (lamp, (wanted, row)) in lamps.iter().zip(wanted.chunks(things.len().max(1)).zip(&self.volumes)) {
+        for (lamp, (wanted, row)) in lamps.iter().zip(wanted.chunks(pieces.len().max(1)).zip(&self.volumes)) {
             let mut parts = Vec::new();
             for wanted in wanted.iter().flatten() {
                 let Wanted { scissor, times, .. } = *wanted;
-                let volume = &row[wanted.thing];
+                let volume = &row[wanted.piece];
                 let mut draw = |count: Count, part: &Placed, times: f32| {
                     if let Some(at) = part.at.filter(|_| !part.indices.is_empty()) {
                         parts.push(Draw { count, indices: at..at + part.indices.len() as u32, scissor, times });
@@ -217,26 +228,26 @@ fn about(parts: &[Draw]) -> [u32; 4] {
 
 impl Volume {
     /// Makes what is missing; whether anything was.
-    fn make(&mut self, thing: &Thing, lamp: DVec3, whole: bool) -> bool {
-        let of = Some((thing.version, lamp));
+    fn make(&mut self, piece: &Piece, lamp: DVec3, whole: bool) -> bool {
+        let of = Some((piece.thing.version, lamp));
         if self.of != of {
             *self = Volume { of, ..Volume::default() };
         }
         let placed = |indices: Vec<u32>| Placed { indices, at: None };
         let missing = if whole { self.whole.is_none() } else { self.sides.is_none() };
         if missing && whole {
-            let Whole { shell, towards, away } = thing.caster.whole(lamp, thing.first_vertex);
+            let Whole { shell, towards, away } = piece.caster.whole(lamp, piece.first);
             self.whole = Some([shell, towards, away].map(placed));
         } else if missing {
-            self.sides = Some(placed(thing.caster.sides(lamp, thing.first_vertex)));
+            self.sides = Some(placed(piece.caster.sides(lamp, piece.first)));
         }
         missing
     }
 }
 
-/// Whether and how a thing's shadow of a lamp is to be drawn.
+/// Whether and how a piece's shadow of a lamp is to be drawn.
 fn wanted(
-    thing: &Thing,
+    piece: &Piece,
     number: usize,
     lamp: DVec3,
     receivers: &[(Bounds, Rectangle)],
@@ -244,7 +255,10 @@ fn wanted(
     camera: &Camera,
     [width, height]: [u32; 2],
 ) -> Option<Wanted> {
-    let caster = &thing.caster;
+    let caster = piece.caster;
+    // A little farther than it needs to be, for rounding.
+    let end = caster.bounds.shadow_reaches(lamp, stage)?[1] * 1.001;
+    let times = if end.is_finite() { end as f32 } else { 0.0 };
     let mut reach: Option<([f64; 2], Rectangle)> = None;
     for (receiver, rectangle) in receivers {
         let Some([from, to]) = caster.bounds.shadow_reaches(lamp, receiver) else { continue };
@@ -258,9 +272,6 @@ fn wanted(
         return None;
     }
     // Through what is hidden from cameras the eye may look into a volume: only whole ones are right there.
-    let whole = thing.hidden || caster.may_shade_near_plane(lamp, camera);
-    // A little farther than it needs to be, for rounding.
-    let end = caster.bounds.shadow_reaches(lamp, stage).map_or(0.0, |[_, to]| to * 1.001);
-    let times = if end.is_finite() { end as f32 } else { 0.0 };
-    Some(Wanted { thing: number, whole, scissor, times })
+    let whole = piece.thing.hidden || caster.may_shade_near_plane(lamp, camera);
+    Some(Wanted { piece: number, whole, scissor, times })
 }

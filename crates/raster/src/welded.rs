@@ -5,9 +5,10 @@
 //! there. Rounding can then open no crack in a shadow, and none in the picture, which draws the same triangles.
 //! Edges, and which parts of a mesh are closed: Aldridge and Woods 2004, *Robust, geometry-independent shadow volumes*.
 
+use crate::bounds::Bounds;
 use glam::DVec3;
 use lightmend_scene::Mesh;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Vertices closer together than this share of the mesh's size are one.
 const WELD: f64 = 2e-6;
@@ -69,6 +70,64 @@ impl Welded {
         welded
     }
 
+    /// Its connected parts, those together that fit a box of diagonal `size`, metres: their shadows are small, and need not be drawn in all
+    /// of the picture. No edge is cut.
+    pub fn parts(&self, size: f64) -> Vec<Welded> {
+        let mut joined = self.connected();
+        let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        (0..self.faces.len() as u32).for_each(|face| members.entry(joined.find(face)).or_default().push(face));
+        let boxes = members.into_values().map(|faces| {
+            let corners = faces.iter().flat_map(|face| self.faces[*face as usize].corners);
+            let bounds = Bounds::about(corners.map(|v| self.positions[v as usize]));
+            (bounds, faces)
+        });
+        let mut groups = Vec::new();
+        let mut whole = vec![boxes.collect::<Vec<_>>()];
+        while let Some(mut group) = whole.pop() {
+            let about = Bounds::about(group.iter().flat_map(|(bounds, _)| [bounds.low, bounds.high]));
+            if group.len() < 2 || (about.high - about.low).length() <= size {
+                groups.push(group.into_iter().flat_map(|(_, faces)| faces).collect::<Vec<u32>>());
+                continue;
+            }
+            // Halved across the axis along which the middles lie farthest apart.
+            let middle = |bounds: &Bounds| bounds.low + bounds.high;
+            let span = Bounds::about(group.iter().map(|(bounds, _)| middle(bounds)));
+            let extent = span.high - span.low;
+            let axis = if extent.x >= extent.y && extent.x >= extent.z { 0 } else if extent.y >= extent.z { 1 } else { 2 };
+            group.sort_by(|a, b| middle(&a.0)[axis].total_cmp(&middle(&b.0)[axis]));
+            let upper = group.split_off(group.len() / 2);
+            whole.extend([upper, group]);
+        }
+        groups.sort();
+        groups.into_iter().map(|faces| self.subset(faces)).collect()
+    }
+
+    /// Some of the faces, which share no edge with the others.
+    fn subset(&self, mut faces: Vec<u32>) -> Welded {
+        faces.sort_unstable();
+        let mut number: HashMap<u32, u32> = HashMap::new();
+        let mut positions = Vec::new();
+        let mut renumbered = |v: u32| {
+            *number.entry(v).or_insert_with(|| {
+                positions.push(self.positions[v as usize]);
+                positions.len() as u32 - 1
+            })
+        };
+        let faces = faces.iter().map(|face| self.faces[*face as usize]);
+        let faces: Vec<Face> = faces.map(|face| Face { corners: face.corners.map(&mut renumbered), ..face }).collect();
+        let (edges, incidences) = edges_of(&faces);
+        Welded { positions, faces, edges, incidences }
+    }
+
+    /// Which faces are connected by edges.
+    fn connected(&self) -> Parts {
+        let mut parts = Parts::new(self.faces.len());
+        for edge in &self.edges {
+            self.incident(edge).windows(2).for_each(|pair| parts.join(pair[0].0, pair[1].0));
+        }
+        parts
+    }
+
     /// The faces that meet at an edge, and whether they run from its lower to its higher vertex.
     pub fn incident(&self, edge: &Edge) -> &[(u32, bool)] {
         &self.incidences[edge.first as usize..edge.end as usize]
@@ -76,11 +135,7 @@ impl Welded {
 
     /// Parts of which every edge is run through as often one way as the other.
     fn mark_closed(&mut self) {
-        let mut parts = Parts::new(self.faces.len());
-        for edge in &self.edges {
-            let met = &self.incidences[edge.first as usize..edge.end as usize];
-            met.windows(2).for_each(|pair| parts.join(pair[0].0, pair[1].0));
-        }
+        let mut parts = self.connected();
         let mut open = vec![false; self.faces.len()];
         for edge in &self.edges {
             let met = &self.incidences[edge.first as usize..edge.end as usize];
@@ -297,9 +352,13 @@ mod tests {
         two.positions.extend([DVec3::splat(5.0), DVec3::new(6.0, 5.0, 5.0), DVec3::new(5.0, 6.0, 5.0)]);
         two.triangles.push([first, first + 1, first + 2]);
         two.material_of.push(0);
-        let closed: Vec<bool> = Welded::new(&two).faces.iter().map(|f| f.closed).collect();
+        let welded = Welded::new(&two);
+        let closed: Vec<bool> = welded.faces.iter().map(|f| f.closed).collect();
         assert_eq!(closed.iter().filter(|c| **c).count(), 12);
         assert!(!closed[12]);
+        assert_eq!(welded.parts(100.0), [welded.clone()]);
+        let parts = welded.parts(3.0);
+        assert_eq!(parts.iter().map(|p| (p.faces.len(), p.positions.len(), unbalanced(p))).collect::<Vec<_>>(), [(12, 8, 0), (1, 3, 3)]);
     }
 
     #[test]
