@@ -35,6 +35,11 @@ impl Bounds {
         normal.x * corner(0) + normal.y * corner(1) + normal.z * corner(2)
     }
 
+    /// The same with so much more on all sides, metres.
+    pub fn grown(&self, by: f64) -> Bounds {
+        Bounds { low: self.low - by, high: self.high + by }
+    }
+
     /// Whether a point lies in it.
     pub fn contains(&self, p: DVec3) -> bool {
         p.cmpge(self.low).all() && p.cmple(self.high).all()

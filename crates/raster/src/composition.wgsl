@@ -48,7 +48,7 @@ struct Texture {
 @group(1) @binding(3) var irradiance: texture_2d<f32>;
 // Linear Rec. 709 as bits, and the number of the texture or NONE.
 @group(1) @binding(4) var materials: texture_2d<u32>;
-// Candela.
+// Candela at a sample, at the next in its row, and at those in the next row.
 @group(1) @binding(5) var cube_maps: texture_2d<f32>;
 @group(1) @binding(6) var uvs: texture_2d<f32>;
 @group(1) @binding(7) var textures: texture_2d<u32>;
@@ -123,10 +123,6 @@ fn point_irradiance(point: u32) -> vec3f {
     return textureLoad(irradiance, entry(point), 0).rgb;
 }
 
-fn sample_of(k: u32) -> f32 {
-    return textureLoad(cube_maps, entry(k), 0).r;
-}
-
 // The factor of a lamp's intensity towards a direction: its cube map's candela. `goniometric.rs` is the twin.
 fn candela(lamp: Lamp, away: vec3f) -> f32 {
     let d = vec3f(dot(lamp.x, away), dot(lamp.y, away), dot(lamp.z, away));
@@ -150,7 +146,8 @@ fn candela(lamp: Lamp, away: vec3f) -> f32 {
     let side = lamp.intervals + 1u;
     let face = 2u * axis + select(0u, 1u, along < 0.0);
     let k = lamp.map + (face * side + u32(low.y)) * side + u32(low.x);
-    let value = mix(mix(sample_of(k), sample_of(k + 1u), f.x), mix(sample_of(k + side), sample_of(k + side + 1u), f.x), f.y);
+    let corners = textureLoad(cube_maps, entry(k), 0);
+    let value = mix(mix(corners.x, corners.y, f.x), mix(corners.z, corners.w, f.x), f.y);
     let cosine = -d.z * inverseSqrt(dot(d, d));
     return select(0.0, value, cosine >= lamp.last && cosine <= lamp.first);
 }

@@ -97,7 +97,7 @@ pub struct Lamps {
     pub warnings: Vec<String>,
 }
 
-const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Lamps that can be drawn; the same in `frame.wgsl`. They fit the uniform buffer that every driver has.
 const MOST_LAMPS: usize = 640;
@@ -159,10 +159,13 @@ impl Lamps {
         if !new.is_empty() || unused {
             self.maps.retain(|(known, ..)| in_use(known));
             coarsen(&mut self.maps, Table::most(device));
-            let mut samples: Vec<f32> = Vec::new();
+            let mut samples: Vec<[f32; 4]> = Vec::new();
             for (_, map, first) in &mut self.maps {
                 *first = samples.len() as u32;
-                samples.extend(&map.candela);
+                // With its neighbours each is one texel to look up instead of four; past an edge nothing is ever looked up.
+                let side = map.intervals as usize + 1;
+                let at = |k: usize| map.candela.get(k).copied().unwrap_or(0.0);
+                samples.extend((0..map.candela.len()).map(|k| [k, k + 1, k + side, k + side + 1].map(at)));
             }
             self.cube_maps = Table::filled(device, "cube maps", &samples, SAMPLES)?;
         }

@@ -57,6 +57,8 @@ pub struct Thing {
     pub hidden: bool,
     /// Whether anything of it has a texture.
     pub textured: bool,
+    /// Whether only fronts of it are seen from outside.
+    pub outwards: bool,
     /// Its surface in the world, in parts that cast shadows each for itself.
     pub casters: Vec<Caster>,
     /// The first vertex of the shadow volumes of each of them.
@@ -168,8 +170,13 @@ fn points_in(lattice: &Lattice, t: usize) -> u32 {
 /// pieces.
 const PART: f64 = 1.0 / 2.0;
 
-/// Parts of a mesh.
-type Parts = Arc<[Arc<Welded>]>;
+/// A mesh in parts.
+#[derive(Clone)]
+struct Parts {
+    parts: Arc<[Arc<Welded>]>,
+    /// See [`Welded::outwards`].
+    outwards: bool,
+}
 
 /// Parts where they stand.
 fn casters(parts: &[Arc<Welded>], motion: &Motion) -> Vec<Caster> {
@@ -237,7 +244,10 @@ impl Geometry {
                 new.push(object.mesh.clone());
             }
         }
-        let parts = |mesh: &Arc<Mesh>| Welded::new(mesh).parts(size).into_iter().map(Arc::new).collect();
+        let parts = |mesh: &Arc<Mesh>| {
+            let welded = Welded::new(mesh);
+            Parts { parts: welded.parts(size).into_iter().map(Arc::new).collect(), outwards: welded.outwards() }
+        };
         let welded: Vec<_> = new.par_iter().map(|mesh| (mesh.clone(), parts(mesh))).collect();
         self.welded.extend(welded);
         present.iter().filter_map(|(_, object)| known(&self.welded, &object.mesh)).collect()
@@ -258,8 +268,8 @@ impl Geometry {
             .map(|((id, object), parts)| {
                 self.version += 1;
                 let motion = configuration.object_motion(*id);
-                let casters = casters(&parts, &motion);
-                let faces: usize = parts.iter().map(|part| part.faces.len()).sum();
+                let casters = casters(&parts.parts, &motion);
+                let faces: usize = parts.parts.iter().map(|part| part.faces.len()).sum();
                 let firsts = casters.iter().map(|caster| {
                     pairs += caster.positions.len() as u32;
                     pairs - caster.positions.len() as u32
@@ -271,6 +281,7 @@ impl Geometry {
                     name: object.name.clone(),
                     hidden: object.hidden_from_camera,
                     textured: false,
+                    outwards: parts.outwards,
                     version: self.version,
                     vertices: vertices..vertices + 3 * faces as u32,
                     object: (*object).clone(),

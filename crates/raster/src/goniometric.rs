@@ -9,7 +9,7 @@ use glam::DVec3;
 use lightmend_scene::Photometry;
 use rayon::prelude::*;
 
-/// Intervals along a face's edge, at first and at most. The finest takes 25 megabytes, the next 6: it is for what would be
+/// Intervals along a face's edge, at first and at most. The finest takes 100 megabytes on the device, the next 25: it is for what would be
 /// [`bad`](CubeMap::bad) otherwise.
 const COARSEST: u32 = 16;
 /// Intervals along a face's edge at most.

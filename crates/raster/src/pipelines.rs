@@ -61,6 +61,8 @@ pub struct Recipe<'a> {
     pub vertices: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     /// Which winding is a front.
     pub front: wgpu::FrontFace,
+    /// Triangles that are not drawn.
+    pub cull: Option<wgpu::Face>,
     /// Depth and stencil.
     pub depth: Option<wgpu::DepthStencilState>,
     /// Where colours go, and which of their channels.
@@ -89,7 +91,7 @@ impl Recipe<'_> {
                 compilation_options: compilation_options.clone(),
                 buffers: self.vertices,
             },
-            primitive: wgpu::PrimitiveState { front_face: self.front, ..Default::default() },
+            primitive: wgpu::PrimitiveState { front_face: self.front, cull_mode: self.cull, ..Default::default() },
             depth_stencil: self.depth.clone(),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
@@ -136,8 +138,8 @@ pub struct Pipelines {
     pub shading: BindGroupLayout,
     /// What the tone passes read.
     pub toning: BindGroupLayout,
-    /// Depth prepass.
-    pub prepass: RenderPipeline,
+    /// Depth prepass: of all triangles, and of fronts alone.
+    pub prepass: [RenderPipeline; 2],
     volumes: [RenderPipeline; 3],
     masks: [RenderPipeline; 4],
     composition_module: ShaderModule,
@@ -177,20 +179,24 @@ impl Pipelines {
             groups: &[&frame],
             vertices: &[],
             front: wgpu::FrontFace::Ccw,
+            cull: None,
             depth: None,
             target: (IDS, ColorWrites::ALL),
             constants: &[],
         };
-        let prepass = Recipe {
-            label: "prepass",
-            vertices: &PLACES,
-            depth: Some(wgpu::DepthStencilState {
-                depth_write_enabled: Some(true),
-                ..read_depth(CompareFunction::Greater, StencilFaceState::IGNORE, StencilFaceState::IGNORE)
-            }),
-            ..plain.clone()
-        }
-        .make(device);
+        let prepass = [None, Some(wgpu::Face::Back)].map(|cull| {
+            Recipe {
+                label: "prepass",
+                vertices: &PLACES,
+                cull,
+                depth: Some(wgpu::DepthStencilState {
+                    depth_write_enabled: Some(true),
+                    ..read_depth(CompareFunction::Greater, StencilFaceState::IGNORE, StencilFaceState::IGNORE)
+                }),
+                ..plain.clone()
+            }
+            .make(device)
+        });
         let shadow = shader(device, "shadow", include_str!("shadow.wgsl"));
         let volume = |count: Count| {
             let (more, less) = (StencilOperation::IncrementWrap, StencilOperation::DecrementWrap);
@@ -297,6 +303,7 @@ impl Pipelines {
             groups: &[&self.frame, &self.shading],
             vertices: if variant.textured { &PLACES } else { &[] },
             front: wgpu::FrontFace::Ccw,
+            cull: None,
             depth: Some(wgpu::DepthStencilState {
                 stencil: wgpu::StencilState::default(),
                 ..read_depth(

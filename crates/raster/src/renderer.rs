@@ -101,7 +101,11 @@ impl Renderer {
 
     /// The closed object that the eye is inside of, if any: the camera then sees its inside, which no light reaches.
     pub fn inside(&self, view: &View) -> Option<&str> {
-        self.geometry.things.iter().find(|thing| !thing.hidden && thing.casters.iter().any(|caster| caster.holds(view.eye))).map(|thing| thing.name.as_str())
+        self.geometry
+            .things
+            .iter()
+            .find(|thing| !thing.hidden && thing.casters.iter().any(|caster| caster.holds(view.eye)))
+            .map(|thing| thing.name.as_str())
     }
 
     /// Names of the channels of the masks: the lamps that are drawn, in order, as numbers in the configuration.
@@ -133,7 +137,11 @@ impl Renderer {
         };
         self.stopwatch.prepared(start.elapsed());
 
-        let seen = seen_vertices(&self.geometry, &camera, |_| true);
+        // From outside of what is closed only fronts are seen, unless the near plane cuts into it.
+        let margin = 4.0 * camera.near_corners()[0].distance(camera.eye);
+        let fronts = |thing: &Thing| thing.outwards && !thing.bounds.grown(margin).contains(camera.eye);
+        let seen =
+            [seen_vertices(&self.geometry, &camera, |thing| !fronts(thing)), seen_vertices(&self.geometry, &camera, fronts)];
         let textured = seen_vertices(&self.geometry, &camera, |thing| thing.textured);
         let goniometric = self.lamps.goniometric();
         let mut composition =
@@ -186,10 +194,12 @@ impl Renderer {
                 }),
                 self.stopwatch.render(Pass::Prepass),
             );
-            pass.set_pipeline(&self.pipelines.prepass);
             pass.set_bind_group(0, &camera_and_lamps, &[]);
             pass.set_vertex_buffer(0, self.geometry.prepass.slice(..));
-            seen.into_iter().for_each(|vertices| pass.draw(vertices, 0..1));
+            for (pipeline, seen) in self.pipelines.prepass.iter().zip(seen) {
+                pass.set_pipeline(pipeline);
+                seen.into_iter().for_each(|vertices| pass.draw(vertices, 0..1));
+            }
         }
         for (layer, group) in (0u32..).zip(draws.chunks(4)) {
             let mask = targets.masks.create_view(&wgpu::TextureViewDescriptor {

@@ -93,7 +93,13 @@ impl Welded {
             let middle = |bounds: &Bounds| bounds.low + bounds.high;
             let span = Bounds::about(group.iter().map(|(bounds, _)| middle(bounds)));
             let extent = span.high - span.low;
-            let axis = if extent.x >= extent.y && extent.x >= extent.z { 0 } else if extent.y >= extent.z { 1 } else { 2 };
+            let axis = if extent.x >= extent.y && extent.x >= extent.z {
+                0
+            } else if extent.y >= extent.z {
+                1
+            } else {
+                2
+            };
             group.sort_by(|a, b| middle(&a.0)[axis].total_cmp(&middle(&b.0)[axis]));
             let upper = group.split_off(group.len() / 2);
             whole.extend([upper, group]);
@@ -117,6 +123,17 @@ impl Welded {
         let faces: Vec<Face> = faces.map(|face| Face { corners: face.corners.map(&mut renumbered), ..face }).collect();
         let (edges, incidences) = edges_of(&faces);
         Welded { positions, faces, edges, incidences }
+    }
+
+    /// Whether all of it is closed, with its fronts outwards: from outside only fronts are seen.
+    pub fn outwards(&self) -> bool {
+        let mut parts = self.connected();
+        let mut volumes: BTreeMap<u32, f64> = BTreeMap::new();
+        for (number, face) in (0u32..).zip(&self.faces) {
+            let [a, b, c] = face.corners.map(|v| self.positions[v as usize] - self.positions[0]);
+            *volumes.entry(parts.find(number)).or_default() += a.dot(b.cross(c));
+        }
+        self.faces.iter().all(|face| face.closed) && volumes.values().all(|volume| *volume > 0.0)
     }
 
     /// Which faces are connected by edges.
@@ -329,7 +346,10 @@ mod tests {
     fn loose_faces_are_welded_to_a_closed_cube() {
         let welded = Welded::new(&loose_cube());
         assert_eq!((welded.positions.len(), welded.edges.len(), unbalanced(&welded)), (8, 18, 0));
-        assert!(welded.faces.iter().all(|f| f.closed));
+        assert!(welded.faces.iter().all(|f| f.closed) && welded.outwards());
+        let mut inwards = loose_cube();
+        inwards.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        assert!(!Welded::new(&inwards).outwards());
     }
 
     #[test]
@@ -358,7 +378,10 @@ mod tests {
         assert!(!closed[12]);
         assert_eq!(welded.parts(100.0), [welded.clone()]);
         let parts = welded.parts(3.0);
-        assert_eq!(parts.iter().map(|p| (p.faces.len(), p.positions.len(), unbalanced(p))).collect::<Vec<_>>(), [(12, 8, 0), (1, 3, 3)]);
+        assert_eq!(
+            parts.iter().map(|p| (p.faces.len(), p.positions.len(), unbalanced(p))).collect::<Vec<_>>(),
+            [(12, 8, 0), (1, 3, 3)]
+        );
     }
 
     #[test]
