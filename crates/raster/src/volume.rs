@@ -87,62 +87,22 @@ impl Caster {
             .collect()
     }
 
-    /// Sides of the volume; `first` is the number of its first vertex.
+    /// Sides of the volume; `first` is the number of its first vertex. A side for each edge, even where edges go on straight ahead: the sides
+    /// must begin where the surface's own triangles end, to the same fraction of a pixel, or pixels on its rim see past both.
     fn push_sides(&self, casts: &[i8], first: u32, out: &mut Vec<u32>) {
-        let mut single: Vec<[u32; 2]> = Vec::new();
-        let mut side = |[a, b]: [u32; 2]| {
-            let [a, b, far_a, far_b] = [(a, false), (b, false), (a, true), (b, true)].map(|(v, far)| vertex(v + first, far));
-            out.extend([b, a, far_a, b, far_a, far_b]);
-        };
         for edge in &self.welded.edges {
             let direction = |(face, forward): &(u32, bool)| {
                 let cast = i32::from(casts[*face as usize]);
                 if *forward { cast } else { -cast }
             };
             let times: i32 = self.welded.incident(edge).iter().map(direction).sum();
-            let [low, high] = edge.ends;
-            match times {
-                1 => single.push([low, high]),
-                -1 => single.push([high, low]),
-                _ => (0..times.abs()).for_each(|_| side(if times > 0 { [low, high] } else { [high, low] })),
+            let [low, high] = edge.ends.map(|v| v + first);
+            let (a, b) = if times > 0 { (low, high) } else { (high, low) };
+            for _ in 0..times.abs() {
+                let [a, b, far_a, far_b] = [vertex(a, false), vertex(b, false), vertex(a, true), vertex(b, true)];
+                out.extend([b, a, far_a, b, far_a, far_b]);
             }
         }
-        self.straightened(single).into_iter().for_each(side);
-    }
-
-    /// Edges, of which those that go on straight ahead are joined: fewer and longer sides.
-    fn straightened(&self, edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
-        /// Sine of the angle below which a way is straight: what rounding of the vertices makes of it.
-        const STRAIGHT: f64 = 1e-6;
-        const NOWHERE: u32 = u32::MAX;
-        /// Several ways meet here.
-        const CROSSING: u32 = u32::MAX - 1;
-        let mut from = vec![NOWHERE; self.positions.len()];
-        let mut to = vec![NOWHERE; self.positions.len()];
-        for [a, b] in &edges {
-            for (ends, here, other) in [(&mut to, *a, *b), (&mut from, *b, *a)] {
-                let end = &mut ends[here as usize];
-                *end = if *end == NOWHERE { other } else { CROSSING };
-            }
-        }
-        let place = |v: u32| self.positions[v as usize];
-        let goes_on = |v: u32| {
-            let (a, b) = (from[v as usize], to[v as usize]);
-            if a >= CROSSING || b >= CROSSING || a == b {
-                return false;
-            }
-            let (before, after) = (place(v) - place(a), place(b) - place(v));
-            before.dot(after) > 0.0 && before.cross(after).length() <= STRAIGHT * before.length() * after.length()
-        };
-        let begins = edges.into_iter().filter(|[a, _]| !goes_on(*a));
-        begins
-            .map(|[a, mut b]| {
-                while goes_on(b) {
-                    b = to[b as usize];
-                }
-                [a, b]
-            })
-            .collect()
     }
 
     /// What is drawn of the volume where the camera is outside it.
@@ -291,18 +251,6 @@ mod tests {
         let [closed, open] = [false, true].map(|open| caster(false, open).sides(lamp, 0).len() / 6);
         assert_eq!(closed, 4, "the top's four edges");
         assert!(open > 2 * closed - 2, "{open}");
-    }
-
-    #[test]
-    fn straight_runs_of_edges_are_one_side() {
-        let mut strip = caster(false, false);
-        strip.positions =
-            [0.0, 1.0, 2.0, 3.0].into_iter().flat_map(|x| [DVec3::new(x, 0.0, 0.0), DVec3::new(x, 1.0, 0.0)]).collect();
-        let way = |ends: &[[u32; 2]]| strip.straightened(ends.to_vec());
-        assert_eq!(way(&[[4, 6], [0, 2], [2, 4]]), [[0, 6]]);
-        assert_eq!(way(&[[0, 2], [2, 3]]), [[0, 2], [2, 3]], "a corner");
-        assert_eq!(way(&[[0, 2], [2, 4], [2, 3]]), [[0, 2], [2, 4], [2, 3]], "a crossing");
-        assert_eq!(way(&[[0, 2], [2, 0]]), [[0, 2], [2, 0]], "there and back");
     }
 
     #[test]

@@ -376,7 +376,7 @@ mod tests {
         let closed: Vec<bool> = welded.faces.iter().map(|f| f.closed).collect();
         assert_eq!(closed.iter().filter(|c| **c).count(), 12);
         assert!(!closed[12]);
-        assert_eq!(welded.parts(100.0), [welded.clone()]);
+        assert_eq!(welded.parts(100.0), std::slice::from_ref(&welded));
         let parts = welded.parts(3.0);
         assert_eq!(
             parts.iter().map(|p| (p.faces.len(), p.positions.len(), unbalanced(p))).collect::<Vec<_>>(),
