@@ -67,7 +67,7 @@ impl LatticePoints {
         }
         border.sort_unstable();
 
-        // For now, each point's entry is a point of its group that is no later; the first of the group names itself.
+        // At first, each point's entry is a point of its group that is no later; the first of the group names itself.
         let mut group: Vec<u32> = (0..total as u32).collect();
         let mut heads: Vec<BorderPoint> = Vec::new();
         let mut together: Vec<[u32; 2]> = Vec::new();
