@@ -37,7 +37,8 @@ pub fn vertex_irradiance(
     // Of the cells around each group of points.
     let mut around = vec![Around::default(); points.groups() as usize];
     for t in 0..points.triangles() {
-        let area = lattice.area_in(t);
+        // Photons that meet a place which is listed twice are shared out between the two by rounding.
+        let area = if points.is_copy(t) { 0.0 } else { lattice.area_in(t) };
         for (cell, corners) in lattice.cells_of(t).zip(points.cells_points(t)) {
             let from_lamp =
                 |(page, lumens): &(&[Bucket], DVec3)| DVec3::from_array(page[cell as usize].energy.map(|e| e as f64)) * *lumens;
@@ -106,7 +107,7 @@ fn calm(around: &mut [Around], lattice: &Lattice, points: &LatticePoints) {
             ways.push(([a, b], share * area / 3.0));
         }
     };
-    for t in 0..points.triangles() {
+    for t in (0..points.triangles()).filter(|t| !points.is_copy(*t)) {
         let area = lattice.area_in(t);
         for corners in points.cells_points(t) {
             let [a, b, c] = corners.map(|point| points.group(point));
@@ -260,6 +261,19 @@ mod tests {
                     assert!(close(found, expected, 1e-6), "{found} at point {p}, cells of {cell} m");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_triangle_that_is_listed_twice_is_as_bright_as_once() {
+        let square = |triangles| mesh(vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y], triangles);
+        let mut lit = Lit::new(square(vec![[0, 1, 2], [0, 2, 3], [0, 1, 2], [3, 0, 2]]), 0.2);
+        // One is met in the first copy, the other in the second.
+        for cell in [0, 3].into_iter().flat_map(|t| lit.lattice.cells_of(t)).collect::<Vec<_>>() {
+            lit.light(cell, LUX);
+        }
+        for found in lit.front() {
+            assert!(close(DVec3::from_array(found.map(f64::from)), DVec3::from_array(LUX), 1e-6), "{found:?}");
         }
     }
 
