@@ -19,15 +19,8 @@ pub struct Lens {
 impl Lens {
     /// A camera's lens; `up` is the scene's.
     pub fn new(view: &View, up: Up) -> Lens {
-        let up = match up {
-            Up::Y => DVec3::Y,
-            Up::Z => DVec3::Z,
-        };
-        let forward = (view.target - view.eye).normalize();
-        // Straight up or down, any direction may be to the right.
-        let right = forward.cross(up).try_normalize().unwrap_or(DVec3::X);
-        let half = (view.fov.to_radians() / 2.0).tan();
-        Lens { eye: view.eye.as_vec3(), forward, right: right * half, above: right.cross(forward) * half }
+        let [forward, right, above] = view.axes(up);
+        Lens { eye: view.eye.as_vec3(), forward, right, above }
     }
 
     /// The first surface seen at (x, y) that is not hidden from cameras, and the direction looked in.

@@ -106,14 +106,10 @@ pub struct Rectangle {
 impl Rectangle {
     /// All of the picture.
     pub const WHOLE: Rectangle = Rectangle { low: DVec2::splat(-1.0), high: DVec2::splat(1.0) };
-    /// None of it.
-    pub const NONE: Rectangle = Rectangle { low: DVec2::splat(1.0), high: DVec2::splat(-1.0) };
 
     /// About convex points; the whole picture if some lie behind the camera.
     fn about(points: &[DVec3], camera: &Camera) -> Option<Rectangle> {
-        let mut rectangle = Rectangle::NONE;
-        rectangle.low = DVec2::INFINITY;
-        rectangle.high = DVec2::NEG_INFINITY;
+        let mut rectangle = Rectangle { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY };
         for point in points {
             let Some(at) = camera.project(*point) else { return Some(Rectangle::WHOLE) };
             rectangle = Rectangle { low: rectangle.low.min(at), high: rectangle.high.max(at) };

@@ -25,15 +25,8 @@ pub struct Camera {
 impl Camera {
     /// Of a picture `aspect` times as wide as high, in a scene that reaches `reach` metres; `up` is the scene's.
     pub fn new(view: &View, up: Up, aspect: f64, reach: f64) -> Camera {
-        let up = match up {
-            Up::Y => DVec3::Y,
-            Up::Z => DVec3::Z,
-        };
-        let forward = (view.target - view.eye).normalize();
-        // Straight up or down, any direction may be to the right.
-        let right = forward.cross(up).try_normalize().unwrap_or(DVec3::X);
-        let half = (view.fov.to_radians() / 2.0).tan();
-        Camera { eye: view.eye, forward, right: right * half * aspect, above: right.cross(forward) * half, near: reach * 1e-4 }
+        let [forward, right, above] = view.axes(up);
+        Camera { eye: view.eye, forward, right: right * aspect, above, near: reach * 1e-4 }
     }
 
     /// The direction through a point of the picture, from −1 to 1 to the right and upwards; it ends at distance 1 along `forward`.

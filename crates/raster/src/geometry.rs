@@ -12,7 +12,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use lightmend_scene::{Configuration, Lattice, Mesh, Motion, Object};
+use lightmend_scene::{Configuration, Mesh, Motion, Object};
 use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
 use wgpu::TextureFormat;
@@ -105,7 +105,7 @@ impl Thing {
             // In f64, so that slivers have a normal: the same as the photons'.
             let normal = (db - da).cross(dc - da).normalize_or_zero().as_vec3();
             let [front, back] = lit.map(|first| if first == NONE { NONE } else { first + points });
-            points += points_in(lattice, t);
+            points += lattice.points_in(t);
             GpuTriangle {
                 a: a.to_array(),
                 material: self.first_material + u32::from(mesh.material_of[t]),
@@ -160,11 +160,6 @@ pub struct Geometry {
 const MOST_TEXELS: usize = 1 << 26;
 
 const VERTEX: wgpu::BufferUsages = wgpu::BufferUsages::VERTEX;
-
-fn points_in(lattice: &Lattice, t: usize) -> u32 {
-    let n = lattice.divisions(t);
-    (n + 1) * (n + 2) / 2
-}
 
 /// Diagonal of the boxes of casters, as a share of the scene's reach. Smaller: shadows are drawn in smaller parts of the picture, in more
 /// pieces.
@@ -314,18 +309,14 @@ impl Geometry {
 
     /// Writes all materials and textures.
     fn paint(&mut self, device: &Device) -> Result<(), RasterError> {
-        let most = MOST_TEXELS;
         let mut textures = Textures::default();
         let mut materials: Vec<GpuMaterial> = Vec::new();
         for thing in &mut self.things {
             thing.textured = thing.object.materials.iter().any(|m| m.texture.is_some());
-            materials.extend(
-                thing
-                    .object
-                    .materials
-                    .iter()
-                    .map(|m| GpuMaterial { reflectance: m.reflectance.to_array(), texture: textures.maybe(&m.texture, most) }),
-            );
+            materials.extend(thing.object.materials.iter().map(|m| GpuMaterial {
+                reflectance: m.reflectance.to_array(),
+                texture: textures.maybe(&m.texture, MOST_TEXELS),
+            }));
         }
         if textures.halvings > 0 {
             self.warnings.push("the textures have more than 2^26 texels together: the last ones are drawn coarser".into());

@@ -128,7 +128,7 @@ impl Renderer {
         let samples = targets.samples();
         let frame = Frame::new(&camera, samples, lamps as u32, settings.parts.bits());
         self.device.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
-        let tone = GpuTone::new(settings.look, size, settings.grid);
+        let tone = GpuTone::new(settings.look, settings.grid);
         self.device.queue.write_buffer(&self.tone, 0, bytemuck::bytes_of(&tone));
         let draws = if settings.parts.direct() {
             self.volumes.draws(&self.device, &self.geometry, &self.lamps.drawn, &camera, samples)?

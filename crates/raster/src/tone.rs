@@ -41,20 +41,18 @@ pub const FALSE_COLOURS: [[u8; 3]; 9] = [
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct GpuTone {
-    width: u32,
-    height: u32,
     grid: u32,
     kind: u32,
     exposure: f32,
     low: f32,
     high: f32,
-    unused: f32,
+    unused: [f32; 3],
     colours: [[f32; 4]; 9],
 }
 
 impl GpuTone {
-    /// For a picture of `size` pixels with `grid`² samples each.
-    pub fn new(look: Look, size: [u32; 2], grid: u32) -> GpuTone {
+    /// For a picture with `grid`² samples a pixel.
+    pub fn new(look: Look, grid: u32) -> GpuTone {
         let (kind, exposure, low, high) = match look {
             Look::Photograph { exposure } => (0, exposure.unwrap_or(0.0), 0.0, 1.0),
             Look::FalseColours { low, high, logarithmic } => (1 + u32::from(logarithmic), 0.0, low, high),
@@ -64,7 +62,7 @@ impl GpuTone {
             let [r, g, b] = rgb.map(|c| f32::from(c) / 255.0);
             [r, g, b, 1.0]
         });
-        GpuTone { width: size[0], height: size[1], grid, kind, exposure, low, high, unused: 0.0, colours }
+        GpuTone { grid, kind, exposure, low, high, unused: [0.0; 3], colours }
     }
 
     /// Whether the exposure is measured.

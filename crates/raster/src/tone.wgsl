@@ -1,9 +1,6 @@
 // Exposure, tone curve or false colours, and sRGB. Twin of `tone.rs`.
 
 struct Tone {
-    // Pixels of the picture.
-    width: u32,
-    height: u32,
     // Samples along each side of a pixel.
     grid: u32,
     // 0: tone curve; 1: false colours, linear; 2: false colours, logarithmic; 3: colours as they are.
@@ -13,7 +10,6 @@ struct Tone {
     // The values of the first and the last false colour.
     low: f32,
     high: f32,
-    unused: f32,
     // sRGB, 0 to 1.
     colours: array<vec4f, 9>,
 }

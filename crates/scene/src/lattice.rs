@@ -48,6 +48,12 @@ impl Lattice {
         self.divisions[t]
     }
 
+    /// Corners of the cells of triangle `t`: its lattice points.
+    pub fn points_in(&self, t: usize) -> u32 {
+        let n = self.divisions[t];
+        (n + 1) * (n + 2) / 2
+    }
+
     /// The cell of a point of triangle `t`; `b1`, `b2` are the barycentric weights of its second and third corner.
     #[inline]
     pub fn cell(&self, t: usize, b1: f32, b2: f32) -> u32 {

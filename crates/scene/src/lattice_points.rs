@@ -56,10 +56,10 @@ impl LatticePoints {
         let triangles = mesh.triangles.len();
         let mut first = Vec::with_capacity(triangles + 1);
         let (mut total, mut on_borders) = (0, 0);
-        for n in (0..triangles).map(|t| u64::from(lattice.divisions(t))) {
+        for t in 0..triangles {
             first.push(total as u32);
-            total += (n + 1) * (n + 2) / 2;
-            on_borders += 3 * n as usize;
+            total += u64::from(lattice.points_in(t));
+            on_borders += 3 * lattice.divisions(t) as usize;
         }
         first.push(u32::try_from(total).expect("a mesh of fewer than 1.4e9 triangles"));
 

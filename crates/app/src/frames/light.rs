@@ -17,7 +17,7 @@ impl IndirectLight {
     /// Irradiance at all lattice points of all sides that light has reached.
     pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale) -> Indirect {
         self.learn(configuration);
-        let sides: Vec<_> = (0..configuration.object_slots())
+        (0..configuration.object_slots())
             .into_par_iter()
             .map(|id| {
                 let points = self.points[id].as_ref().filter(|_| configuration.has_object(id));
@@ -27,34 +27,25 @@ impl IndirectLight {
                     vertex_irradiance(buckets, scale, id, side, lattice, points, configuration.lamp_slots())
                 })
             })
-            .collect();
-        sides
+            .collect()
     }
 
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.
     pub fn outstanding(&mut self, configuration: &Configuration, now: &Buckets, right: &Buckets, scale: &Scale) -> Indirect {
         let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale));
         let illuminance = |rgb: &[f32; 3]| luminance(glam::DVec3::from_array(rgb.map(f64::from)));
-        now.into_iter()
-            .zip(right)
-            .map(|(now, right)| {
-                let mut right = right.into_iter();
-                now.map(|now| {
-                    let right = right.next().flatten();
-                    let share = |(now, right): (&[f32; 3], f64)| {
-                        let off = (illuminance(now) - right).abs();
-                        // What will be dark is wholly off as long as it is not.
-                        [if off > 0.0 { off / right.max(off.min(1e-9)).max(f64::MIN_POSITIVE) } else { 0.0 } as f32; 3]
-                    };
-                    match (now, right) {
-                        (Some(now), Some(right)) => Some(now.iter().zip(right.iter().map(illuminance)).map(share).collect()),
-                        (Some(now), None) => Some(now.iter().map(|n| share((n, 0.0))).collect()),
-                        (None, Some(right)) => Some(right.iter().map(|r| share((&[0.0; 3], illuminance(r)))).collect()),
-                        (None, None) => None,
-                    }
-                })
-            })
-            .collect()
+        let at = |light: &Option<Vec<[f32; 3]>>, point: usize| light.as_ref().map_or(0.0, |light| illuminance(&light[point]));
+        let side = |now: Option<Vec<[f32; 3]>>, right: Option<Vec<[f32; 3]>>| {
+            let points = now.as_ref().or(right.as_ref())?.len();
+            let share = |point| {
+                let right = at(&right, point);
+                let off = (at(&now, point) - right).abs();
+                // What will be dark is wholly off as long as it is not.
+                [if off > 0.0 { off / right.max(off.min(1e-9)).max(f64::MIN_POSITIVE) } else { 0.0 } as f32; 3]
+            };
+            Some((0..points).map(share).collect())
+        };
+        now.into_iter().zip(right).map(|([a, b], [c, d])| [side(a, c), side(b, d)]).collect()
     }
 
     fn learn(&mut self, configuration: &Configuration) {
