@@ -15,6 +15,8 @@ mod probe;
 mod progress;
 mod replay;
 mod solve;
+#[cfg(feature = "window")]
+mod view;
 
 use clap::{Args, Parser, Subcommand};
 use failure::Failure;
@@ -35,6 +37,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Walk about in a window and rearrange the room
+    #[cfg(feature = "window")]
+    View(view::Arguments),
     /// Shoot a pool of photons and write what it lit
     Solve(solve::Arguments),
     /// Write the scene as it is after scripted moves
@@ -155,6 +160,8 @@ fn keep_drivers_quiet() {
 fn main() -> ExitCode {
     keep_drivers_quiet();
     let result = Arguments::try_parse().map_err(Failure::arguments).and_then(|arguments| match arguments.command {
+        #[cfg(feature = "window")]
+        Command::View(arguments) => view::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Apply(arguments) => apply::run(&arguments),
         Command::Frames(arguments) => frames::run(&arguments),

@@ -5,7 +5,7 @@
 //! repair is not saved up.
 
 mod earlier;
-mod exr;
+pub mod exr;
 mod film;
 mod light;
 mod painter;
@@ -23,7 +23,9 @@ use lightmend_photon::{body::TreePreset, path::FirstHits, solution::Solution, vi
 use lightmend_raster::{Device, RasterError, Renderer};
 use lightmend_scene::{Configuration, Edit, Moves, Scene, SceneError, View, unknown};
 use painter::{Moment, Painter};
-use show::{Range, Show};
+#[cfg(feature = "window")]
+pub use sheet::with_legend;
+pub use show::{Range, Show};
 use std::{path::PathBuf, sync::Arc};
 
 #[derive(clap::Args)]
@@ -71,7 +73,7 @@ pub struct Arguments {
 }
 
 /// "1280x720".
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']).map(|(w, h)| (w.parse(), h.parse()));
     match sides {
         Some((Ok(width), Ok(height))) if width > 0 && height > 0 => Ok([width, height]),

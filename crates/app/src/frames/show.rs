@@ -35,6 +35,15 @@ impl Range {
         }
     }
 
+    /// The range of false colours; `None` of any other look.
+    #[cfg(feature = "window")]
+    pub fn of(look: Look) -> Option<Range> {
+        match look {
+            Look::FalseColours { low, high, .. } => Some(Range { low, high }),
+            _ => None,
+        }
+    }
+
     fn look(self) -> Look {
         Look::FalseColours { low: self.low, high: self.high, logarithmic: self.low > 0.0 }
     }
@@ -62,16 +71,24 @@ impl Show {
         Ok(())
     }
 
+    /// Values of the first and the last false colour, if nothing else is known; `None` for what has no scale.
+    pub fn usual_range(self) -> Option<Range> {
+        match self {
+            Show::Radiance | Show::Elements => None,
+            Show::Illuminance | Show::Indirect => Some(Range { low: 1.0, high: 1000.0 }),
+            Show::Stale => Some(Range { low: 0.0, high: 1.0 }),
+        }
+    }
+
     /// How it is drawn.
     pub fn settings(self, [width, height]: [u32; 2], grid: u32, range: Option<Range>, exposure: Option<f32>) -> Settings {
-        let (parts, usual) = match self {
-            Show::Radiance => (Parts::RADIANCE, None),
-            Show::Illuminance => (Parts::IRRADIANCE, Some(Range { low: 1.0, high: 1000.0 })),
-            Show::Indirect => (Parts::INDIRECT_IRRADIANCE, Some(Range { low: 1.0, high: 1000.0 })),
-            Show::Elements => (Parts::ELEMENT_COLOURS, None),
-            Show::Stale => (Parts::INDIRECT_IRRADIANCE, Some(Range { low: 0.0, high: 1.0 })),
+        let parts = match self {
+            Show::Radiance => Parts::RADIANCE,
+            Show::Illuminance => Parts::IRRADIANCE,
+            Show::Indirect | Show::Stale => Parts::INDIRECT_IRRADIANCE,
+            Show::Elements => Parts::ELEMENT_COLOURS,
         };
-        let look = match (usual, self) {
+        let look = match (self.usual_range(), self) {
             (Some(usual), _) => range.unwrap_or(usual).look(),
             (None, Show::Elements) => Look::Plain,
             // EV100 = log2(L / (K / S)) with saturation at 1.2 · 2^EV cd/m² (ISO 12232; Lagarde and de Rousiers 2014, §5.1.3).

@@ -1,0 +1,136 @@
+//! What is not saved yet is kept in a file beside the scene's, so that nothing is lost when the program ends in a bad way.
+//!
+//! Written beside its place and renamed, by a thread of its own: the disk never holds up a frame, and a file is never half-written. The
+//! scene's own file is not touched by it.
+
+use lightmend_scene::{Configuration, format::write_ron};
+use std::{
+    path::{Path, PathBuf},
+    sync::mpsc::{Receiver, Sender, TryRecvError, channel},
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+/// Changes are kept this long after the last of them, so that a drag is not written step by step.
+const QUIET: Duration = Duration::from_millis(700);
+
+/// And at least so often while they go on.
+const LONGEST: Duration = Duration::from_secs(3);
+
+enum Order {
+    Write(Configuration),
+    Remove,
+}
+
+/// Keeps changes.
+pub struct Autosave {
+    path: PathBuf,
+    orders: Option<Sender<Order>>,
+    faults: Receiver<String>,
+    writer: Option<JoinHandle<()>>,
+    first_change: Option<Instant>,
+    last_change: Instant,
+}
+
+/// Where the autosave of a scene file is: `room.autosave.ron` beside `room.ron`.
+pub fn path_beside(scene: &Path) -> PathBuf {
+    scene.with_extension("autosave.ron")
+}
+
+fn write(path: &Path, configuration: &Configuration) -> Result<(), String> {
+    // It stands in the folder of the scene that was read or that it was saved to: its paths are made right for that.
+    let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut file = configuration.to_file();
+    file.relocate(&folder(&configuration.scene().path), &folder(path)).and_then(|()| write_ron(path, &file)).map_err(|e| e.to_string())
+}
+
+impl Autosave {
+    /// For the scene file at `scene`.
+    pub fn beside(scene: &Path) -> Autosave {
+        let path = path_beside(scene);
+        let (orders, taken) = channel();
+        let (told, faults) = channel();
+        let writer = {
+            let path = path.clone();
+            std::thread::spawn(move || {
+                while let Ok(order) = taken.recv() {
+                    // Only the newest counts.
+                    let order = std::iter::successors(Some(order), |_| taken.try_recv().ok()).last();
+                    let result = match order {
+                        Some(Order::Write(configuration)) => write(&path, &configuration),
+                        Some(Order::Remove) => std::fs::remove_file(&path).or_else(|e| match e.kind() {
+                            std::io::ErrorKind::NotFound => Ok(()),
+                            _ => Err(format!("{}: cannot be removed: {e}", path.display())),
+                        }),
+                        None => Ok(()),
+                    };
+                    if let Err(fault) = result {
+                        // Nobody listens any more at the very end.
+                        let _ = told.send(format!("changes are not kept: {fault}"));
+                    }
+                }
+            })
+        };
+        Autosave { path, orders: Some(orders), faults, writer: Some(writer), first_change: None, last_change: Instant::now() }
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // The writer ends only with this end of the channel.
+            let _ = orders.send(order);
+        }
+    }
+
+    /// Something changed.
+    pub fn changed(&mut self) {
+        self.last_change = Instant::now();
+        self.first_change.get_or_insert(self.last_change);
+    }
+
+    /// Keeps what changed, when it is time; what went wrong with that.
+    pub fn tick(&mut self, configuration: &Configuration, unsaved: bool) -> Option<String> {
+        if let Some(first) = self.first_change
+            && (self.last_change.elapsed() > QUIET || first.elapsed() > LONGEST)
+        {
+            self.first_change = None;
+            self.order(if unsaved { Order::Write(configuration.clone()) } else { Order::Remove });
+        }
+        match self.faults.try_recv() {
+            Ok(fault) => Some(fault),
+            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
+        }
+    }
+
+    /// Whether a change waits to be kept.
+    pub fn waits(&self) -> bool {
+        self.first_change.is_some()
+    }
+
+    /// Keeps the changes at once; where they are.
+    pub fn write_now(&mut self, configuration: &Configuration) -> Result<PathBuf, String> {
+        self.first_change = None;
+        self.settle();
+        write(&self.path, configuration).map(|()| self.path.clone())
+    }
+
+    /// Nothing needs to be kept.
+    pub fn remove(&mut self) {
+        self.first_change = None;
+        self.order(Order::Remove);
+    }
+
+    /// Waits for what was ordered.
+    fn settle(&mut self) {
+        self.orders = None;
+        if let Some(writer) = self.writer.take() {
+            // It never panics: what goes wrong is told.
+            let _ = writer.join();
+        }
+    }
+}
+
+impl Drop for Autosave {
+    fn drop(&mut self) {
+        self.settle();
+    }
+}

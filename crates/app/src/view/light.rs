@@ -1,0 +1,240 @@
+//! The solver's light made ready for the rasteriser, by a thread of its own: reading the buckets takes longer than a frame may.
+//!
+//! It sleeps while the light is exact and nothing changes.
+
+use super::recovery::{Recovery, Trace};
+use crate::{failure::Failure, frames::Show, indirect::IndirectLight};
+use lightmend_photon::{
+    body::TreePreset,
+    irradiance::{Scale, spread},
+    path::FirstHits,
+    pool::Pool,
+    solution::Solution,
+    solver::{Snapshot, Solver},
+    world::World,
+};
+use lightmend_raster::Indirect;
+use lightmend_scene::{Configuration, View};
+use std::{
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+/// Light that can be drawn, and what is known of it.
+pub struct Ready {
+    /// What it was read from.
+    pub snapshot: Arc<Snapshot>,
+    /// For the renderer.
+    pub indirect: Indirect,
+    /// Estimated relative error of indirect irradiance, as if photon hits were independent.
+    pub spread: f64,
+    /// How the last edit is being repaired.
+    pub trace: Trace,
+}
+
+#[derive(Clone)]
+struct Wanted {
+    configuration: Configuration,
+    edits: u64,
+    /// When the last of them was.
+    edited: Instant,
+    /// Counts actions: a drag is one.
+    action: u64,
+    view: View,
+    show: Show,
+    stop: bool,
+    /// Counts the changes of all this.
+    version: u64,
+}
+
+struct Shared {
+    wanted: Mutex<Wanted>,
+    changed: Condvar,
+    ready: Mutex<Option<Arc<Ready>>>,
+}
+
+/// Reads the solver's light in the background.
+pub struct LightReader {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// The reader holds a lock only to copy; what it left is whole.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// While light is repaired it is looked for this often.
+const OFTEN: Duration = Duration::from_millis(25);
+
+/// Share of its time that the thread reads, at most: the rest is for frames and photons.
+const BUSY: u32 = 4;
+
+impl LightReader {
+    /// Reads the light of `solver`, which holds `pool`. `wake` is called whenever something new is ready.
+    pub fn start(
+        solver: Arc<Solver>,
+        pool: Pool,
+        configuration: Configuration,
+        view: View,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<LightReader, Failure> {
+        let wanted =
+            Wanted { configuration, edits: 0, edited: Instant::now(), action: 0, view, show: Show::Radiance, stop: false, version: 0 };
+        let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new(), ready: Mutex::new(None) });
+        let thread = {
+            let shared = shared.clone();
+            std::thread::Builder::new()
+                .name("lightmend-light".into())
+                .spawn(move || Reader::new(&shared, &solver, pool).run(&wake))
+                .map_err(|e| Failure::failed(format!("threads cannot be started: {e}")))?
+        };
+        Ok(LightReader { shared, thread: Some(thread) })
+    }
+
+    fn want(&self, change: impl FnOnce(&mut Wanted)) {
+        let mut wanted = lock(&self.shared.wanted);
+        change(&mut wanted);
+        wanted.version += 1;
+        self.shared.changed.notify_all();
+    }
+
+    /// An action begins: from here on its change is measured.
+    pub fn begins(&self) {
+        self.want(|wanted| wanted.action += 1);
+    }
+
+    /// The scene is now this; the solver calls it number `edits`.
+    pub fn edited(&self, configuration: &Configuration, edits: u64) {
+        self.want(|wanted| {
+            (wanted.configuration, wanted.edits, wanted.edited) = (configuration.clone(), edits, Instant::now());
+        });
+    }
+
+    /// The solver was told something else: to go on, to start over.
+    pub fn nudge(&self) {
+        self.want(|_| {});
+    }
+
+    /// Looked at from here.
+    pub fn looks(&self, view: View) {
+        // Where one looks from changes no light: nothing is read anew for it.
+        lock(&self.shared.wanted).view = view;
+    }
+
+    /// What is drawn.
+    pub fn show(&self, show: Show) {
+        self.want(|wanted| wanted.show = show);
+    }
+
+    /// The newest light.
+    pub fn ready(&self) -> Option<Arc<Ready>> {
+        lock(&self.shared.ready).clone()
+    }
+}
+
+impl Drop for LightReader {
+    fn drop(&mut self) {
+        lock(&self.shared.wanted).stop = true;
+        self.shared.changed.notify_all();
+        if let Some(thread) = self.thread.take()
+            && let Err(panic) = thread.join()
+            && !std::thread::panicking()
+        {
+            std::panic::resume_unwind(panic);
+        }
+    }
+}
+
+/// The thread's own.
+struct Reader<'a> {
+    shared: &'a Shared,
+    solver: &'a Solver,
+    pool: Pool,
+    light: IndirectLight,
+    recovery: Recovery,
+    spread: f64,
+    /// For what is still wrong: a pool shot at the newest scene.
+    exact: Option<Solution>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(shared: &'a Shared, solver: &'a Solver, pool: Pool) -> Reader<'a> {
+        Reader { shared, solver, pool, light: IndirectLight::default(), recovery: Recovery::default(), spread: 0.0, exact: None }
+    }
+
+    fn run(&mut self, wake: &dyn Fn()) {
+        let mut last: Option<(u64, Arc<Snapshot>)> = None;
+        loop {
+            let wanted = lock(&self.shared.wanted).clone();
+            if wanted.stop {
+                return;
+            }
+            let start = Instant::now();
+            let mut rest = OFTEN;
+            let snapshot = self.solver.snapshot();
+            let known = |s: &Arc<Snapshot>| last.as_ref().is_some_and(|(version, l)| *version == wanted.version && Arc::ptr_eq(l, s));
+            if let Some(snapshot) = snapshot.filter(|s| !known(s)) {
+                let ready = self.read(&wanted, snapshot.clone());
+                *lock(&self.shared.ready) = Some(Arc::new(ready));
+                wake();
+                last = Some((wanted.version, snapshot));
+                rest = rest.max(start.elapsed() * (BUSY - 1));
+            }
+            let settled = last.as_ref().is_some_and(|(version, s)| *version == wanted.version && s.exact && s.edits >= wanted.edits);
+            let now = lock(&self.shared.wanted);
+            if settled && now.version == wanted.version && !now.stop {
+                drop(self.shared.changed.wait(now));
+            } else if !now.stop {
+                // Not cut short by every step of a drag.
+                drop(now);
+                std::thread::sleep(rest);
+            }
+        }
+    }
+
+    fn read(&mut self, wanted: &Wanted, snapshot: Arc<Snapshot>) -> Ready {
+        let configuration = &wanted.configuration;
+        // Dimming shows at once, whatever the solver is at. New lamps have no light yet.
+        let world = &snapshot.world;
+        let same_lamps = world.configuration().lamp_slots() == configuration.lamp_slots();
+        let scale = match same_lamps {
+            true => Scale::new(&world.moved_to(configuration), snapshot.photons),
+            false => Scale::new(world, snapshot.photons),
+        };
+        let lamps = world.configuration().lamp_slots().min(configuration.lamp_slots());
+        let indirect = match wanted.show {
+            Show::Elements => Vec::new(),
+            Show::Stale => match self.exact(wanted) {
+                Some(exact) => {
+                    let right = exact.buckets().clone();
+                    self.light.outstanding(configuration, &snapshot.buckets, &right, &scale, lamps)
+                }
+                None => Vec::new(),
+            },
+            _ => self.light.read(configuration, &snapshot.buckets, &scale, lamps),
+        };
+        if snapshot.exact || self.spread == 0.0 {
+            self.spread = spread(world, &snapshot.buckets, &scale);
+        }
+        let current = snapshot.edits >= wanted.edits;
+        let trace = self.recovery.look(wanted.action, wanted.edited, current, wanted.view, &snapshot, &scale);
+        Ready { snapshot, indirect, spread: self.spread, trace }
+    }
+
+    /// A pool shot at the newest scene once nothing moves: what the repair comes to in the end.
+    fn exact(&mut self, wanted: &Wanted) -> Option<&Solution> {
+        let fresh = self.exact.as_ref().is_some_and(|s| *s.world().configuration() == wanted.configuration);
+        if !fresh && wanted.edited.elapsed() > Duration::from_millis(200) {
+            let world = Arc::new(World::new(&wanted.configuration, TreePreset::default()));
+            let stopped = || {
+                let now = lock(&self.shared.wanted);
+                now.stop || now.edits != wanted.edits || now.show != Show::Stale
+            };
+            self.exact = Solution::shoot(self.pool, world, FirstHits::AsLampsSay, &mut |_, _| !stopped())
+                .filter(|s| s.pool().photons() == self.pool.photons());
+        }
+        self.exact.as_ref().filter(|s| *s.world().configuration() == wanted.configuration)
+    }
+}

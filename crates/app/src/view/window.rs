@@ -1,0 +1,521 @@
+//! The window: events in, frames out, at the rate that was asked for.
+//!
+//! A frame takes all events that have come, lets the desk act on them, draws the room if it is seen otherwise than before, and waits
+//! until it is shown; so what the mouse did is in the next frame that is begun after it. Nothing here waits for photons: their light is
+//! read by a thread of its own and taken when it is there. While nothing changes, nothing is drawn.
+
+use super::{
+    desk::{Desk, HOVERED, Pace, Request, SELECTED},
+    dialogs,
+    governor::{Governor, Quality},
+    light::Ready,
+    report::Report,
+    session::{Selection, Session, Start},
+};
+use crate::{
+    failure::Failure,
+    frames,
+    output, progress,
+};
+use egui::{Color32, Context, ViewportId};
+use egui_winit::winit::{
+    application::ApplicationHandler,
+    dpi::LogicalSize,
+    event::{ElementState, WindowEvent},
+    event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy},
+    window::{Fullscreen, Window, WindowId},
+};
+use lightmend_raster::{Device, Mark, RasterError, Renderer, Screen, Settings};
+use lightmend_scene::{Scene, View};
+use std::{
+    collections::VecDeque,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// There is new light.
+#[derive(Debug, Clone, Copy)]
+pub struct Wake;
+
+/// All that is lost with a device.
+struct Graphics {
+    device: Arc<Device>,
+    screen: Screen,
+    renderer: Renderer,
+    panels: egui_wgpu::Renderer,
+    egui: egui_winit::State,
+    context: Context,
+}
+
+/// What the picture on the device shows.
+#[derive(Clone, PartialEq)]
+struct Drawn {
+    revision: u64,
+    view: View,
+    settings: Settings,
+}
+
+/// The program while its window is open.
+pub struct App {
+    pub desk: Desk,
+    pub report: Report,
+    pub failure: Option<Failure>,
+    start: Start,
+    size: [u32; 2],
+    proxy: EventLoopProxy<Wake>,
+    window: Option<Arc<Window>>,
+    graphics: Option<Graphics>,
+    governor: Governor,
+    drawn: Option<Drawn>,
+    quality: Quality,
+    /// The light in the picture, and when it came there.
+    light: Option<Arc<Ready>>,
+    lit: Instant,
+    /// Something happened that the next frame shows.
+    stirred: bool,
+    /// When egui wants another frame.
+    egui_wants: Option<Instant>,
+    last_frame: Instant,
+    /// Frames that were shown, of the last second.
+    shown: VecDeque<Instant>,
+    durations: VecDeque<f64>,
+    /// A person did something that no frame has shown yet.
+    event: Option<Instant>,
+    /// Devices lost in a row, without a frame between them.
+    lost: u32,
+    title: String,
+    asked_about_kept: bool,
+}
+
+/// More devices than this in a row are not lost by chance.
+const MOST_LOST: u32 = 3;
+
+impl App {
+    /// Before its window is open.
+    pub fn new(desk: Desk, start: Start, size: [u32; 2], proxy: EventLoopProxy<Wake>) -> App {
+        App {
+            governor: Governor::new(desk.fps, true),
+            desk,
+            report: Report::default(),
+            failure: None,
+            start,
+            size,
+            proxy,
+            window: None,
+            graphics: None,
+            drawn: None,
+            quality: Quality { eighths: 8, grid: 1 },
+            light: None,
+            lit: Instant::now(),
+            stirred: true,
+            egui_wants: None,
+            last_frame: Instant::now(),
+            shown: VecDeque::new(),
+            durations: VecDeque::new(),
+            event: None,
+            lost: 0,
+            title: String::new(),
+            asked_about_kept: false,
+        }
+    }
+
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Failure> {
+        let window = match &self.window {
+            Some(window) => window.clone(),
+            None => {
+                let [width, height] = self.size;
+                let attributes = Window::default_attributes()
+                    .with_title("Lightmend")
+                    .with_inner_size(LogicalSize::new(width, height));
+                let window = event_loop
+                    .create_window(attributes)
+                    .map_err(|e| Failure::failed(format!("no window can be opened: {e}; `lightmend frames` draws without one")))?;
+                self.window.insert(Arc::new(window)).clone()
+            }
+        };
+        let (device, screen) = Screen::new(window.clone(), window.inner_size().into())?;
+        let context = Context::default();
+        context.set_theme(egui::Theme::Dark);
+        let egui = egui_winit::State::new(
+            context.clone(),
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            Some(device.largest_side() as usize),
+        );
+        let panels = egui_wgpu::Renderer::new(&device.device, screen.format(), egui_wgpu::RendererOptions::default());
+        let mut renderer = Renderer::new(device.clone())?;
+        renderer.show(&self.desk.session.configuration)?;
+        self.desk.driver = device.name.clone();
+        self.governor = Governor::new(self.desk.fps, device.is_processor());
+        self.graphics = Some(Graphics { device, screen, renderer, panels, egui, context });
+        (self.drawn, self.light, self.stirred) = (None, None, true);
+        Ok(())
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, failure: Failure) {
+        self.failure.get_or_insert(failure);
+        event_loop.exit();
+    }
+
+    /// A frame, or what went wrong with it.
+    fn frame(&mut self, event_loop: &ActiveEventLoop) {
+        match self.try_frame(event_loop) {
+            Ok(()) => {}
+            Err(RasterError::Lost(why)) if self.lost < MOST_LOST => {
+                self.lost += 1;
+                self.desk.session.messages.warn(format!("the graphics device was lost and is taken anew: {why}"));
+                self.graphics = None;
+                if let Err(failure) = self.open(event_loop) {
+                    self.fail(event_loop, failure);
+                }
+            }
+            Err(error) => self.fail(event_loop, error.into()),
+        }
+    }
+
+    fn try_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), RasterError> {
+        let (Some(window), Some(mut graphics)) = (self.window.clone(), self.graphics.take()) else { return Ok(()) };
+        let start = Instant::now();
+        let seconds = (start - self.last_frame).as_secs_f64();
+        let event = self.event.take();
+        self.stirred = false;
+        let input = graphics.egui.take_egui_input(&window);
+        let mut walks = false;
+        let desk = &mut self.desk;
+        let output = graphics.context.run_ui(input, |ui| walks = desk.ui(ui, seconds));
+        graphics.egui.handle_platform_output(&window, output.platform_output);
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
+        self.egui_wants = delay.and_then(|delay| Instant::now().checked_add(delay));
+        self.stirred |= walks || self.desk.session.playback.is_some();
+        self.governor.fps = self.desk.fps;
+
+        let result = self.draw(&window, &mut graphics, &output.shapes, output.textures_delta, output.pixels_per_point);
+        let was_drawn = match result {
+            Ok(was_drawn) => was_drawn,
+            Err(error) => {
+                self.graphics = Some(graphics);
+                return Err(error);
+            }
+        };
+        if let Some(drawing) = was_drawn {
+            self.lost = 0;
+            self.account(start, drawing, event);
+        } else {
+            // Nothing is shown: there is time.
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        self.graphics = Some(graphics);
+        self.answer(event_loop, &window)?;
+        let title = self.desk.title();
+        if title != self.title {
+            window.set_title(&title);
+            self.title = title;
+        }
+        self.last_frame = start;
+        Ok(())
+    }
+
+    /// Draws the room if need be, and the window. How long the room took (none if it was left as it was); `None` if nothing can be shown.
+    fn draw(
+        &mut self,
+        window: &Window,
+        graphics: &mut Graphics,
+        shapes: &[egui::epaint::ClippedShape],
+        mut textures: egui::TexturesDelta,
+        points: f32,
+    ) -> Result<Option<Option<Duration>>, RasterError> {
+        let Graphics { device, screen, renderer, panels, context, .. } = graphics;
+        let wanted: [u32; 2] = window.inner_size().into();
+        if screen.size() != wanted {
+            screen.resize(device, wanted);
+        }
+        for (id, deltas) in &textures.set {
+            for delta in deltas {
+                panels.update_texture(&device.device, &device.queue, *id, delta);
+            }
+        }
+        let Some(target) = screen.frame(device)? else {
+            textures.free.iter().for_each(|id| panels.free_texture(id));
+            textures.clear();
+            return Ok(None);
+        };
+        let size = screen.size();
+        let rect = self.desk.viewport.rect;
+        let pixel = |at: f32, most: u32| ((at * points).round().max(0.0) as u32).min(most);
+        let [left, top] = [pixel(rect.left(), size[0]), pixel(rect.top(), size[1])];
+        let place = [left, top, pixel(rect.right(), size[0]).saturating_sub(left), pixel(rect.bottom(), size[1]).saturating_sub(top)];
+        let room = if place[2] > 0 && place[3] > 0 { Self::room(self, renderer, [place[2], place[3]])? } else { None };
+
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let view = target.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let marks = self.marks();
+        renderer.present(&mut encoder, &view, screen.format(), place, &marks)?;
+        let primitives = context.tessellate(shapes.to_vec(), points);
+        let descriptor = egui_wgpu::ScreenDescriptor { size_in_pixels: size, pixels_per_point: points };
+        let more = panels.update_buffers(&device.device, &device.queue, &mut encoder, &primitives, &descriptor);
+        {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("panels"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            });
+            panels.render(&mut pass.forget_lifetime(), &primitives, &descriptor);
+        }
+        device.queue.submit(more.into_iter().chain([encoder.finish()]));
+        window.pre_present_notify();
+        screen.present(device, target);
+        textures.free.iter().for_each(|id| panels.free_texture(id));
+        textures.clear();
+        // The next frame begins with what the person did until this one was there, not until it was begun.
+        device.wait()?;
+        Ok(Some(room))
+    }
+
+    /// Draws the room unless the picture shows it already. How long that took.
+    fn room(&mut self, renderer: &mut Renderer, size: [u32; 2]) -> Result<Option<Duration>, RasterError> {
+        let start = Instant::now();
+        let session = &self.desk.session;
+        let (revision, view) = (session.revision(), session.navigation.view());
+        if self.drawn.as_ref().is_some_and(|drawn| drawn.revision != revision || drawn.view != view) {
+            self.governor.moves();
+        }
+        // Light that came in is shown when it is time for it.
+        let ready = session.light.ready();
+        let coming = ready.as_ref().is_none_or(|ready| !ready.snapshot.exact || ready.snapshot.edits < session.edits());
+        let new = ready.filter(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, ready)));
+        let lit = new.filter(|_| self.light.is_none() || !coming || self.lit.elapsed() >= self.governor.pause_for_light());
+        let quality = if self.drawn.is_none() || self.governor.is_moving() || lit.is_some() || self.governor.wants_finer(coming) {
+            self.governor.quality(coming)
+        } else {
+            self.quality
+        };
+        let shown = self.shown_settings(quality.pixels(size), quality.grid);
+        let wanted = Drawn { revision, view, settings: shown };
+        if self.drawn.as_ref() == Some(&wanted) && lit.is_none() {
+            return Ok(None);
+        }
+        renderer.show(&session.configuration)?;
+        if let Some(ready) = lit {
+            renderer.light(&ready.indirect)?;
+            (self.light, self.lit) = (Some(ready), Instant::now());
+        }
+        renderer.draw(&view, &shown)?;
+        let times = renderer.finish()?;
+        let took = start.elapsed();
+        self.governor.drew(quality, took);
+        self.quality = quality;
+        self.drawn = Some(wanted);
+        for warning in renderer.warnings() {
+            self.desk.session.messages.warn(warning);
+        }
+        let first_light = self.light.as_ref().is_some_and(|ready| ready.snapshot.photons == ready.snapshot.pool_photons);
+        if self.desk.range.is_none() && self.desk.found_range.is_none() && first_light {
+            let ranged = self.desk.show.ranged(&shown, true, || renderer.samples());
+            // A scale that cannot be found is the usual one.
+            self.desk.found_range = ranged.ok().flatten().and_then(|settings| frames::Range::of(settings.look));
+            self.stirred |= self.desk.found_range.is_some();
+        }
+        self.desk.pace = Pace { times, pixels: [shown.width, shown.height], samples: shown.grid, ..self.desk.pace };
+        Ok(Some(took))
+    }
+
+    fn shown_settings(&self, size: [u32; 2], grid: u32) -> Settings {
+        let desk = &self.desk;
+        desk.show.settings(size, grid, desk.range.or(desk.found_range), desk.exposure)
+    }
+
+    /// Outlines: what is selected, what the pointer is over.
+    fn marks(&self) -> Vec<Mark> {
+        let desk = &self.desk;
+        let colour = |colour: Color32| colour.to_normalized_gamma_f32();
+        let mark = |selection: Option<Selection>, shade: Color32| match selection {
+            Some(Selection::Object(object)) if desk.session.configuration.has_object(object) => {
+                Some(Mark { object, colour: colour(shade) })
+            }
+            _ => None,
+        };
+        let movable = |s: &Selection| matches!(s, Selection::Object(id) if desk.session.configuration.has_object(*id) && desk.session.configuration.object(*id).movable);
+        let hovered = desk.viewport.hovered.filter(movable).filter(|h| Some(*h) != desk.session.selection);
+        let hovered = hovered.filter(|_| !desk.viewport.is_busy());
+        [mark(hovered, HOVERED), mark(desk.session.selection, SELECTED)].into_iter().flatten().collect()
+    }
+
+    fn account(&mut self, start: Instant, room: Option<Duration>, event: Option<Instant>) {
+        let now = Instant::now();
+        let took = (now - start).as_secs_f64() * 1000.0;
+        self.shown.push_back(now);
+        while self.shown.front().is_some_and(|at| now - *at > Duration::from_secs(1)) {
+            self.shown.pop_front();
+        }
+        if room.is_some() {
+            self.durations.push_back(took);
+            if self.durations.len() > 100 {
+                self.durations.pop_front();
+            }
+            self.desk.pace.frame = took;
+            self.desk.pace.longest = self.durations.iter().copied().fold(0.0, f64::max);
+        }
+        self.desk.pace.fps = if self.governor.is_moving() { self.shown.len() as f64 } else { 0.0 };
+        self.report.frame(&self.desk, now, took, room, event);
+    }
+
+    /// What the desk asked for.
+    fn answer(&mut self, event_loop: &ActiveEventLoop, window: &Window) -> Result<(), RasterError> {
+        for request in std::mem::take(&mut self.desk.requests) {
+            self.stirred = true;
+            match request {
+                Request::Quit => event_loop.exit(),
+                Request::FullScreen => {
+                    let fullscreen = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
+                    window.set_fullscreen(fullscreen);
+                }
+                Request::RestartGraphics => {
+                    if let Some(graphics) = &self.graphics {
+                        graphics.device.lose();
+                    }
+                }
+                Request::Open { scene, save_as } => match self.session(&scene, &save_as) {
+                    Ok(session) => {
+                        self.desk.take(session);
+                        (self.drawn, self.light) = (None, None);
+                    }
+                    Err(failure) => self.desk.session.messages.fail(failure.to_string()),
+                },
+                Request::Picture { path, exr } => {
+                    let written = self.picture(&path, exr);
+                    let messages = &mut self.desk.session.messages;
+                    match written {
+                        Ok(()) => messages.say(format!("Written: {}", path.display())),
+                        Err(failure) => messages.fail(failure.to_string()),
+                    }
+                    self.drawn = None;
+                    if let Some(graphics) = &self.graphics {
+                        graphics.device.check()?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn session(&self, scene: &Path, save_as: &Path) -> Result<Session, Failure> {
+        let (read, warnings) = Scene::read(scene)?;
+        let proxy = self.proxy.clone();
+        // The loop may be over by then: nobody needs to be woken any more.
+        let wake = move || drop(proxy.send_event(Wake));
+        let mut session = Session::start(read, save_as.to_owned(), self.start, wake)?;
+        warnings.iter().for_each(|warning| session.messages.warn(warning.to_string()));
+        session.record = self.desk.session.record.clone();
+        if scene != save_as {
+            session.differs_from_file();
+        }
+        Ok(session)
+    }
+
+    /// What is seen, with smooth edges, in the window's own pixels.
+    fn picture(&mut self, path: &Path, exr: bool) -> Result<(), Failure> {
+        let Some(graphics) = &mut self.graphics else { return Ok(()) };
+        let points = graphics.context.pixels_per_point();
+        let rect = self.desk.viewport.rect;
+        let size = [rect.width(), rect.height()].map(|side| (side * points).round().max(1.0) as u32);
+        let view = self.desk.session.navigation.view();
+        let settings = self.desk.show.settings(size, 2, self.desk.range.or(self.desk.found_range), self.desk.exposure);
+        let renderer = &mut graphics.renderer;
+        if exr {
+            return frames::exr::write(path, renderer, &view, &settings, &self.desk.session.configuration);
+        }
+        renderer.draw(&view, &settings)?;
+        let pixels = renderer.picture()?.into_flattened();
+        let picture = image::RgbImage::from_raw(size[0], size[1], pixels).ok_or_else(|| Failure::failed("the picture has no pixels"))?;
+        output::png(path, &frames::with_legend(picture, self.desk.show, &settings)?)
+    }
+
+    /// When the next frame is due; `None` if nothing needs one.
+    fn due(&self) -> Option<Instant> {
+        let soon = self.last_frame + self.governor.period();
+        let session = &self.desk.session;
+        let mut due: Vec<Instant> = Vec::new();
+        if self.stirred {
+            due.push(soon);
+        }
+        due.extend(self.egui_wants);
+        let new = session.light.ready().is_some_and(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &ready)));
+        if new {
+            due.push((self.lit + self.governor.pause_for_light()).max(soon));
+        }
+        let coming = self.light.as_ref().is_none_or(|ready| !ready.snapshot.exact);
+        if self.drawn.is_some() && (self.governor.is_moving() || self.governor.wants_finer(coming)) {
+            due.push((Instant::now() + Duration::from_millis(100)).max(soon));
+        }
+        if session.keeps_waiting() {
+            due.push(Instant::now() + Duration::from_millis(200));
+        }
+        due.into_iter().min()
+    }
+}
+
+impl ApplicationHandler<Wake> for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.graphics.is_none()
+            && let Err(failure) = self.open(event_loop)
+        {
+            return self.fail(event_loop, failure);
+        }
+        if !std::mem::replace(&mut self.asked_about_kept, true) {
+            self.desk.dialog = dialogs::kept_before(&self.desk.session.path.clone());
+        }
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, _: Wake) {}
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        if let WindowEvent::RedrawRequested = event {
+            return self.frame(event_loop);
+        }
+        let (Some(window), Some(graphics)) = (&self.window, &mut self.graphics) else { return };
+        self.stirred |= graphics.egui.on_window_event(window, &event).repaint;
+        match event {
+            WindowEvent::CloseRequested => {
+                self.desk.quit();
+                self.stirred = true;
+            }
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } | WindowEvent::Occluded(false) => self.stirred = true,
+            WindowEvent::CursorMoved { .. }
+            | WindowEvent::MouseWheel { .. }
+            | WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
+                self.event.get_or_insert_with(Instant::now);
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if progress::interrupted() {
+            let kept = self.desk.session.keep().map_or(String::new(), |path| format!("; what was not saved is kept in {}", path.display()));
+            return self.fail(event_loop, Failure::failed(format!("interrupted{kept}")));
+        }
+        let Some(window) = &self.window else { return };
+        // Ctrl-C on the terminal is noticed at least so often.
+        let patience = Instant::now() + Duration::from_millis(300);
+        let due = self.due().map_or(patience, |due| due.min(patience));
+        let hidden = window.is_minimized() == Some(true) || window.inner_size().width == 0 || window.inner_size().height == 0;
+        if !hidden && self.due().is_some_and(|due| due <= Instant::now()) {
+            window.request_redraw();
+            event_loop.set_control_flow(ControlFlow::Wait);
+        } else {
+            // Minimised, time still passes: changes are kept, scripts play.
+            if hidden {
+                self.desk.session.tick();
+            }
+            event_loop.set_control_flow(ControlFlow::WaitUntil(if hidden { patience } else { due }));
+        }
+    }
+}
