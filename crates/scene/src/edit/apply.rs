@@ -238,9 +238,11 @@ impl State {
         if self.materials.contains_key(name) {
             return Err(SceneError::Edit(format!("there is a material '{name}' already; give the new one another name")));
         }
-        let mut present = self.objects.iter().filter(|slot| slot.present).map(|slot| &slot.thing);
+        // When the object is read again its material must not turn into this one.
+        let mut own =
+            self.objects.iter().filter(|slot| slot.present && slot.thing.entry.material.is_none()).map(|slot| &slot.thing);
         let kept = |object: &Object| object.mesh.materials.iter().any(|own| own_name(own, &object.entry.mesh) == name);
-        match present.find(|object| kept(object)) {
+        match own.find(|object| kept(object)) {
             None => Ok(()),
             Some(object) => {
                 let what =

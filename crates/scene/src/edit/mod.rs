@@ -3,6 +3,8 @@
 
 mod apply;
 mod inverse;
+#[cfg(test)]
+mod inverse_tests;
 
 use crate::{
     Configuration, SceneError,
