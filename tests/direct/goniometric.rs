@@ -65,7 +65,7 @@ fn lamp_axes(up: Up, turned: Turned, d: DVec3) -> DVec3 {
 /// Draws the lamp with a photometric file, turned in these ways, and compares every pixel and the flux; returns what it warned of.
 fn check(name: &str, renderer: &mut Renderer, scene: &Arc<Scene>, file: &Path, turns: &[Turned]) -> Vec<String> {
     let photometry = Photometry::read(file).unwrap().0;
-    let relamp = Edit::Relamp { lamp: "lamp 0".into(), photometry: file.to_string_lossy().into() };
+    let relamp = Edit::Relamp { lamp: "lamp 0".into(), photometry: Some(file.to_string_lossy().into()), intensity: None };
     let lamped = Configuration::initial(scene).apply(&relamp).unwrap();
     let (mut worst, mut worst_flux, mut warnings) = (0.0, 0.0f64, Vec::new());
     for turned in turns {

@@ -4,13 +4,10 @@
 //! that buckets and trees can be told by number.
 
 use crate::{
-    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError,
-    format::{MaterialEntry, SceneFile},
-    lamp_rotation,
-    scene::same,
+    Direct, Lamp, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials, scene::same,
     unknown,
 };
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeSet, sync::Arc};
 
 /// The state of everything that edits can change. Immutable; a clone costs a pointer.
 #[derive(Debug, Clone)]
@@ -36,7 +33,9 @@ impl<T> Clone for Slot<T> {
 pub(crate) struct State {
     pub objects: Vec<Slot<Object>>,
     pub lamps: Vec<Slot<Lamp>>,
-    pub materials: BTreeMap<String, Arc<Material>>,
+    pub materials: Materials,
+    /// What meshes' own files say of those that the scene does not define, also of some that are forgotten.
+    pub of_meshes: Materials,
 }
 
 fn slots_equal<T: PartialEq>(a: &[Slot<T>], b: &[Slot<T>]) -> bool {
@@ -85,7 +84,7 @@ impl Configuration {
     pub fn initial(scene: &Arc<Scene>) -> Configuration {
         let objects = scene.objects.iter().map(|o| Slot { thing: o.clone(), present: true }).collect();
         let lamps = scene.lamps.iter().map(|l| Slot { thing: l.clone(), present: true }).collect();
-        let state = State { objects, lamps, materials: scene.materials.clone() };
+        let state = State { objects, lamps, materials: scene.materials.clone(), of_meshes: scene.of_meshes.clone() };
         Configuration { scene: scene.clone(), state: Arc::new(state) }
     }
 
@@ -255,33 +254,22 @@ impl Configuration {
         if self.reach() != self.extent() {
             file.reach = Some(self.reach());
         }
-        file.objects = self
-            .objects()
-            .map(|(_, object)| {
-                let mut entry = object.entry.clone();
-                (entry.position, entry.rotation) = (object.pose.position, object.pose.rotation);
-                entry
-            })
-            .collect();
-        file.lamps = self
-            .lamps()
-            .map(|(_, lamp)| {
-                let mut entry = lamp.entry.clone();
-                (entry.position, entry.rotation) = (lamp.pose.position, lamp.pose.rotation);
-                (entry.intensity, entry.off) = (lamp.intensity, !lamp.lit);
-                entry.rated = (lamp.rated != lamp.intensity).then_some(lamp.rated);
-                entry
-            })
-            .collect();
-        for (name, material) in &self.state.materials {
-            let before = self.scene.materials.get(name);
-            let painted = || self.objects().any(|(_, object)| object.entry.material.as_ref() == Some(name));
-            let known = file.materials.contains_key(name);
-            if before.is_none_or(|m| m.reflectance != material.reflectance) || (!known && painted()) {
-                let reflectance = material.reflectance.as_dvec3();
-                file.materials.insert(name.clone(), MaterialEntry { reflectance, texture: material.texture_path.clone() });
-            }
-        }
+        file.objects = self.objects().map(|(_, object)| object.stated()).collect();
+        file.lamps = self.lamps().map(|(_, lamp)| lamp.stated()).collect();
+        let materials = &self.state.materials;
+        let changed = |name: &str| {
+            let says = |all: &Materials| all.get(name).map(|material| material.stated());
+            says(&self.scene.materials) != says(materials)
+        };
+        let painted = |name: &str| self.objects().any(|(_, object)| object.entry.material.as_deref() == Some(name));
+        file.materials.retain(|name, _| materials.contains_key(name));
+        let ours = |name: &&String| changed(name) || (!file.materials.contains_key(*name) && painted(name));
+        let ours: BTreeSet<&str> = materials.keys().filter(ours).map(String::as_str).collect();
+        // A mesh's own material of that name would otherwise be taken for the one that is now the scene's.
+        let shadowed = |name: &str| ours.iter().any(|own| name.strip_prefix(own).is_some_and(|rest| rest.starts_with(" (")));
+        let written = materials.iter().filter(|(name, _)| ours.contains(name.as_str()) || shadowed(name));
+        let written: Vec<_> = written.map(|(name, material)| (name.clone(), material.stated())).collect();
+        file.materials.extend(written);
         file
     }
 }

@@ -1,9 +1,13 @@
 //! Scene files as they are typed: RON, before anything is checked against anything else.
 
-use crate::{Direct, SceneError, View};
+use crate::{Direct, SceneError, View, load::own_name};
 use glam::DVec3;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use std::{collections::BTreeMap, io::Write, path::Path};
+use std::{
+    collections::BTreeMap,
+    io::Write,
+    path::{Component, Path, PathBuf},
+};
 
 /// Which axis points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -203,21 +207,34 @@ impl SceneFile {
     /// Rewrites the paths of a file that stood in folder `from` for one that will stand in folder `to`.
     pub fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
         let textures = self.materials.values_mut().filter_map(|m| m.texture.as_mut());
-        let meshes = self.objects.iter_mut().map(|o| &mut o.mesh);
         let photometry = self.lamps.iter_mut().filter_map(|l| l.photometry.as_mut());
-        textures.chain(meshes).chain(photometry).try_for_each(|path| relocate(path, from, to))
+        textures.chain(photometry).try_for_each(|path| relocate(path, from, to))?;
+        let mut meshes = BTreeMap::new();
+        for object in &mut self.objects {
+            let before = object.mesh.clone();
+            relocate(&mut object.mesh, from, to)?;
+            meshes.insert(before, object.mesh.clone());
+        }
+        // Where meshes disagree on a material, its name has the mesh in it.
+        let renamed = |name: &String| {
+            let of_mesh = meshes.iter().find_map(|(before, after)| Some((name.strip_suffix(&own_name("", before))?, after)));
+            of_mesh.map_or_else(|| name.clone(), |(plain, mesh)| own_name(plain, mesh))
+        };
+        self.materials = std::mem::take(&mut self.materials).into_iter().map(|(name, entry)| (renamed(&name), entry)).collect();
+        self.objects.iter_mut().filter_map(|o| o.material.as_mut()).for_each(|name| *name = renamed(name));
+        Ok(())
     }
 }
 
-/// Rewrites a path of a file that stood in folder `from` for one that will stand in folder `to`.
+/// Rewrites a path of a file that stood in folder `from` for one that will stand in folder `to`. Absolute ones are right everywhere.
 pub(crate) fn relocate(path: &mut String, from: &Path, to: &Path) -> Result<(), SceneError> {
     let absolute = |folder: &Path| {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         folder.canonicalize().map_err(|e| SceneError::read(folder, e))
     };
     let (from, to) = (absolute(from)?, absolute(to)?);
-    if from != to {
-        *path = relative(&from.join(&*path), &to);
+    if from != to && Path::new(path).is_relative() {
+        *path = relative(Path::new(&plain(&from.join(&*path), &from)), &to);
     }
     Ok(())
 }
@@ -228,4 +245,18 @@ fn relative(path: &Path, base: &Path) -> String {
     let up = base.components().skip(common).map(|_| "..".to_owned());
     let down = path.components().skip(common).map(|c| c.as_os_str().to_string_lossy().into_owned());
     up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// A path, relative to `folder` or absolute, that enters no folder only to leave it again, but for symbolic links.
+pub(crate) fn plain(path: &Path, folder: &Path) -> String {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        let leaves = part == Component::ParentDir && matches!(plain.components().next_back(), Some(Component::Normal(_)));
+        if leaves && !folder.join(&plain).is_symlink() {
+            plain.pop();
+        } else if part != Component::CurDir {
+            plain.push(part);
+        }
+    }
+    plain.to_string_lossy().into_owned()
 }

@@ -1,6 +1,6 @@
 //! Point lamps: where their light goes, in candela, and how much of it there is, in lumens.
 
-use crate::{Motion, Photometry, Pose, Up, format::LampEntry};
+use crate::{Motion, Photometry, Pose, Up, format::LampEntry, scene::same};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub enum Direct {
 }
 
 /// A point lamp.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Lamp {
     /// Unique.
     pub name: String,
@@ -39,7 +39,33 @@ pub struct Lamp {
     pub entry: LampEntry,
 }
 
+impl PartialEq for Lamp {
+    /// Equal in all that a scene file can say.
+    fn eq(&self, other: &Self) -> bool {
+        let photometry = match (&self.photometry, &other.photometry) {
+            (Some(a), Some(b)) => same(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.name == other.name
+            && (self.intensity, self.rated, self.lit) == (other.intensity, other.rated, other.lit)
+            && (self.direct, self.carrier, self.pose) == (other.direct, other.carrier, other.pose)
+            && photometry
+    }
+}
+
 impl Lamp {
+    /// What a scene file says of it.
+    pub fn stated(&self) -> LampEntry {
+        LampEntry {
+            position: self.pose.position,
+            rotation: self.pose.rotation,
+            intensity: self.intensity,
+            rated: (self.rated != self.intensity).then_some(self.rated),
+            off: !self.lit,
+            ..self.entry.clone()
+        }
+    }
+
     /// Luminous flux, lumens per channel; none when switched off.
     pub fn flux(&self) -> DVec3 {
         if self.lit { self.intensity * self.unit_flux() } else { DVec3::ZERO }

@@ -2,7 +2,7 @@
 //!
 //! A scene file ([`mod@format`]) becomes a [`Scene`]: meshes read ([`obj`]) and cut into cells ([`Lattice`]), materials and
 //! lamps ([`Photometry`]) resolved, all in order of names. What edits can change is a [`Configuration`]: immutable, cheap to
-//! clone, and made anew by every [`Edit`]. A script of edits is a [`Moves`] file.
+//! clone, and made anew by every [`Edit`]. A script of edits is a [`Moves`] file; a [`Recording`] makes one of what a person does.
 //!
 //! ```no_run
 //! use lightmend_scene::{Configuration, Edit, Scene};
@@ -28,7 +28,9 @@ mod moves;
 pub mod obj;
 mod photometry;
 mod pose;
+mod recording;
 mod scene;
+mod timeline;
 pub mod trig;
 
 pub use camera::View;
@@ -44,4 +46,5 @@ pub use mesh::Mesh;
 pub use moves::{CameraKey, Moves, TimedEdit};
 pub use photometry::{Photometry, Symmetry};
 pub use pose::{FARTHEST, Motion, Pose, within_reach};
+pub use recording::Recording;
 pub use scene::{Object, Scene, unknown};

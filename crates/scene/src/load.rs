@@ -2,14 +2,14 @@
 
 use crate::{
     FARTHEST, Lamp, Lattice, Material, Mesh, Object, Photometry, Pose, Scene, SceneError, Texture, Warning,
-    format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile},
+    format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, plain},
     lamp::luminance,
     obj::{MtlMaterial, ObjFile, Strictness, read_obj},
     unknown, within_reach,
 };
 use glam::DVec3;
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -19,6 +19,9 @@ pub(crate) type Index = BTreeMap<String, usize>;
 
 /// A page of buckets holds 32 bytes for each; more would not fit a workstation's memory with a few lamps.
 pub(crate) const MOST_CELLS: u64 = 50_000_000;
+
+/// Materials by name.
+pub(crate) type Materials = BTreeMap<String, Arc<Material>>;
 
 /// A mesh and its mesh elements.
 type CutMesh = (Arc<Mesh>, Arc<Lattice>);
@@ -30,10 +33,12 @@ pub(crate) struct Loader<'a> {
     models: BTreeMap<PathBuf, Arc<ObjFile>>,
     /// By file and part.
     meshes: BTreeMap<(PathBuf, Option<String>), CutMesh>,
-    /// Names of the materials that the scene file defines.
-    pub own: BTreeSet<String>,
+    /// Images by their path, relative to the folder.
+    textures: BTreeMap<String, Arc<Texture>>,
     /// Materials in use, by name.
-    pub materials: BTreeMap<String, Arc<Material>>,
+    pub materials: Materials,
+    /// What meshes' own files say of those that the scene does not define.
+    pub of_meshes: Materials,
     pub warnings: Vec<Warning>,
 }
 
@@ -41,8 +46,21 @@ impl<'a> Loader<'a> {
     /// For the scene file `path`.
     pub fn new(path: &'a Path) -> Loader<'a> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let (models, meshes, materials) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        Loader { path, folder, models, meshes, own: BTreeSet::new(), materials, warnings: Vec::new() }
+        let (models, meshes, textures) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        let (materials, of_meshes) = (BTreeMap::new(), BTreeMap::new());
+        Loader { path, folder, models, meshes, textures, materials, of_meshes, warnings: Vec::new() }
+    }
+
+    /// Images of these materials need not be read again.
+    pub fn knows<'m>(&mut self, materials: impl IntoIterator<Item = &'m Materials>) {
+        let materials = materials.into_iter().flat_map(BTreeMap::values);
+        let images = materials.filter_map(|m| m.texture_path.clone().zip(m.texture.clone()));
+        self.textures.extend(images);
+    }
+
+    /// Whether a material is defined by the scene, not by a mesh's own files.
+    fn own(&self, name: &str) -> bool {
+        self.materials.contains_key(name) && !self.of_meshes.contains_key(name)
     }
 
     fn fault(&self, what: impl ToString) -> SceneError {
@@ -71,7 +89,6 @@ impl<'a> Loader<'a> {
         self.unique("object", file.objects.iter().map(|o| &o.name))?;
         self.unique("lamp", file.lamps.iter().map(|l| &l.name))?;
         self.unique("camera", file.cameras.iter().map(|c| &c.name))?;
-        self.own = file.materials.keys().cloned().collect();
         for (name, entry) in &file.materials {
             let material = self.material(name, entry)?;
             self.materials.insert(name.clone(), Arc::new(material));
@@ -106,8 +123,9 @@ impl<'a> Loader<'a> {
             cameras.push((camera.name.clone(), camera.view()));
         }
         let objects = drafts.into_iter().map(Arc::new).collect();
-        let materials = self.materials.clone();
-        Ok(Scene { path: self.path.to_owned(), name: file.name.clone(), up: file.up, materials, objects, lamps, cameras, file })
+        let (path, name, up) = (self.path.to_owned(), file.name.clone(), file.up);
+        let (materials, of_meshes) = (self.materials.clone(), self.of_meshes.clone());
+        Ok(Scene { path, name, up, materials, of_meshes, objects, lamps, cameras, file })
     }
 
     fn unique<'n>(&self, kind: &str, names: impl Iterator<Item = &'n String>) -> Result<(), SceneError> {
@@ -136,9 +154,19 @@ impl<'a> Loader<'a> {
         if !(r.is_finite() && r.min_element() >= 0.0 && r.max_element() <= 1.0) {
             return Err(self.fault(format!("material '{name}': reflectance {r} must be within 0 to 1")));
         }
-        let texture = entry.texture.as_ref().map(|t| Texture::read(&self.folder.join(t)).map(Arc::new)).transpose();
-        let texture = texture.map_err(|e| self.named_by(&format!("material '{name}'"), e))?;
+        let texture = entry.texture.as_ref().map(|file| self.texture(&format!("material '{name}'"), file)).transpose()?;
         Ok(Material { name: name.to_owned(), reflectance: r.as_vec3(), texture, texture_path: entry.texture.clone() })
+    }
+
+    /// The image of what is named by `what`.
+    pub fn texture(&mut self, what: &str, file: &str) -> Result<Arc<Texture>, SceneError> {
+        if let Some(known) = self.textures.get(file) {
+            return Ok(known.clone());
+        }
+        let read = Texture::read(&self.folder.join(file)).map_err(|e| self.named_by(what, e))?;
+        let texture = Arc::new(read);
+        self.textures.insert(file.to_owned(), texture.clone());
+        Ok(texture)
     }
 
     /// An object; `index` numbers those that can carry it. Whether it is dynamic on their account is not looked at.
@@ -148,34 +176,12 @@ impl<'a> Loader<'a> {
         let carrier = self.carrier(&what, &entry.on, index)?;
         let model = self.model(&self.folder.join(&entry.mesh)).map_err(|e| self.named_by(&what, e))?;
         let (mesh, lattice) = self.mesh(entry, &model, cell)?;
-        let names = match &entry.material {
-            Some(name) => {
-                if !self.materials.contains_key(name) {
-                    let known = self.materials.keys().map(String::as_str);
-                    return Err(self.fault(format!("{what}: {}", unknown("material", name, known))));
-                }
-                vec![name.clone(); mesh.materials.len()]
-            }
-            None => mesh.materials.clone(),
-        };
-        let mut names = names;
-        if entry.material.is_none() {
-            for name in &mut names {
-                *name = self.material_of_mesh(name, &what, &entry.mesh, &model)?;
-            }
-        }
-        let textured = names.iter().any(|n| self.materials[n].texture.is_some());
-        if textured && mesh.uvs.is_empty() {
-            self.warn(format!(
-                "{what}: its material has a texture but {} has no texture coordinates: it shows one point of the image",
-                entry.mesh
-            ));
-        }
+        let materials = self.materials_of(entry, &mesh)?;
         Ok(Object {
             name: entry.name.clone(),
             mesh,
             lattice,
-            materials: names.iter().map(|name| self.materials[name].clone()).collect(),
+            materials,
             movable: entry.movable,
             dynamic: entry.movable,
             carrier,
@@ -183,6 +189,35 @@ impl<'a> Loader<'a> {
             pose,
             entry: entry.clone(),
         })
+    }
+
+    /// What each material of an object's mesh is made of.
+    pub fn materials_of(&mut self, entry: &ObjectEntry, mesh: &Mesh) -> Result<Vec<Arc<Material>>, SceneError> {
+        let what = format!("object '{}'", entry.name);
+        let mut names = mesh.materials.clone();
+        if let Some(name) = &entry.material {
+            if !self.materials.contains_key(name) {
+                let known = self.materials.keys().map(String::as_str);
+                return Err(self.fault(format!("{what}: {}", unknown("material", name, known))));
+            }
+            names.fill(name.clone());
+        } else {
+            let model = self.model(&self.folder.join(&entry.mesh)).map_err(|e| self.named_by(&what, e))?;
+            for name in &mut names {
+                *name = self.material_of_mesh(name, &what, &entry.mesh, &model)?;
+            }
+        }
+        let materials: Vec<_> = names.iter().map(|name| self.materials[name].clone()).collect();
+        if materials.iter().any(|m| m.texture.is_some()) && mesh.uvs.is_empty() {
+            self.warn_of_blank(entry);
+        }
+        Ok(materials)
+    }
+
+    /// Of an object with a texture, but without texture coordinates.
+    pub fn warn_of_blank(&mut self, ObjectEntry { name, mesh, .. }: &ObjectEntry) {
+        let why = format!("its material has a texture but {mesh} has no texture coordinates");
+        self.warn(format!("object '{name}': {why}: it shows one point of the image"));
     }
 
     fn carrier(&self, what: &str, on: &Option<String>, index: &Index) -> Result<Option<usize>, SceneError> {
@@ -253,39 +288,51 @@ impl<'a> Loader<'a> {
     }
 
     /// The name under which the scene has a mesh's material: the scene's own of that name, or the mesh's, or grey. Where another mesh's
-    /// MTL file means something else by the name, the mesh's file is added to it.
+    /// MTL file means something else by the name, the mesh's file is added to it. What edits made of a material does not count here.
     fn material_of_mesh(&mut self, name: &str, what: &str, mesh: &str, model: &ObjFile) -> Result<String, SceneError> {
-        if self.own.contains(name) {
+        let qualified = own_name(name, mesh);
+        if self.own(&qualified) {
+            return Ok(qualified);
+        }
+        if self.own(name) && !self.materials.contains_key(&qualified) {
             return Ok(name.to_owned());
         }
         let material = match model.materials.iter().find(|m| m.name == name) {
-            Some(MtlMaterial { reflectance, texture, .. }) => Material {
-                name: name.to_owned(),
-                reflectance: DVec3::from_array(*reflectance).as_vec3(),
-                texture: texture.as_ref().map(|t| Texture::read(t).map(Arc::new)).transpose()?,
-                texture_path: texture.as_ref().map(|t| t.strip_prefix(&self.folder).unwrap_or(t).to_string_lossy().into_owned()),
-            },
+            Some(MtlMaterial { reflectance, texture, .. }) => {
+                let texture_path =
+                    texture.as_ref().map(|path| plain(path.strip_prefix(&self.folder).unwrap_or(path), &self.folder));
+                Material {
+                    name: name.to_owned(),
+                    reflectance: DVec3::from_array(*reflectance).as_vec3(),
+                    texture: texture_path.as_ref().map(|file| self.texture(what, file)).transpose()?,
+                    texture_path,
+                }
+            }
             None if self.materials.contains_key(name) => return Ok(name.to_owned()),
             None => {
                 self.warn(format!("{what}: its material '{name}' is defined nowhere: it is grey, reflectance 0.5"));
                 Material { name: name.to_owned(), reflectance: glam::Vec3::splat(0.5), texture: None, texture_path: None }
             }
         };
-        let qualified = format!("{name} ({mesh})");
-        for key in [name.to_owned(), qualified.clone()] {
-            match self.materials.get(&key) {
-                Some(known) if **known == (Material { name: key.clone(), ..material.clone() }) => return Ok(key),
-                Some(_) => {}
-                None => {
-                    if key == qualified {
-                        self.warn(format!("{what}: another mesh has a material '{name}' too: this one is called '{key}'"));
-                    }
-                    self.materials.insert(key.clone(), Arc::new(Material { name: key.clone(), ..material }));
-                    return Ok(key);
-                }
+        for key in [&*qualified, name] {
+            let means = |known: &Arc<Material>| **known == Material { name: key.to_owned(), ..material.clone() };
+            if self.materials.contains_key(key) && self.of_meshes.get(key).is_some_and(means) {
+                return Ok(key.to_owned());
             }
         }
-        Ok(qualified)
+        if self.own(name) {
+            return Ok(name.to_owned());
+        }
+        let key = if self.materials.contains_key(name) { qualified } else { name.to_owned() };
+        if key != name {
+            self.warn(format!("{what}: another mesh has a material '{name}' too: this one is called '{key}'"));
+        }
+        if !self.materials.contains_key(&key) {
+            let new = Arc::new(Material { name: key.clone(), ..material });
+            self.materials.insert(key.clone(), new.clone());
+            self.of_meshes.insert(key.clone(), new);
+        }
+        Ok(key)
     }
 
     /// A lamp; `index` numbers the objects that can carry it.
@@ -331,6 +378,11 @@ impl<'a> Loader<'a> {
         }
         Ok(Arc::new(photometry))
     }
+}
+
+/// What a mesh's material is called where another mesh means something else by its name.
+pub(crate) fn own_name(name: &str, mesh: &str) -> String {
+    format!("{name} ({mesh})")
 }
 
 /// What a name must be.

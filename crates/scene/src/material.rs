@@ -4,7 +4,7 @@ use glam::Vec3;
 use image::ImageReader;
 use std::{io::Cursor, path::Path, sync::Arc};
 
-use crate::SceneError;
+use crate::{SceneError, format::MaterialEntry};
 
 /// A diffuse material; both sides of a surface reflect.
 #[derive(Debug, Clone)]
@@ -30,6 +30,11 @@ impl PartialEq for Material {
 }
 
 impl Material {
+    /// What a scene file says of it.
+    pub(crate) fn stated(&self) -> MaterialEntry {
+        MaterialEntry { reflectance: self.reflectance.as_dvec3(), texture: self.texture_path.clone() }
+    }
+
     /// Reflectance where the texture coordinates are `uv`.
     #[inline]
     pub fn reflectance_at(&self, uv: impl FnOnce() -> [f32; 2]) -> Vec3 {

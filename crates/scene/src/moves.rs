@@ -1,6 +1,9 @@
 //! Scripted moves: timed edits and camera keys.
 
-use crate::{Configuration, Edit, Scene, SceneError, View, Warning, format::read_ron};
+use crate::{
+    Configuration, Edit, Scene, SceneError, View, Warning,
+    format::{read_ron, write_ron},
+};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::{path::Path, sync::Arc};
@@ -46,12 +49,16 @@ struct MovesFile {
     #[serde(default = "default_fps")]
     fps: f64,
     edits: Vec<TimedEdit>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     cameras: Vec<CameraKey>,
 }
 
 fn default_fps() -> f64 {
     25.0
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 impl Moves {
@@ -62,16 +69,24 @@ impl Moves {
         moves.check_times().map_err(|what| SceneError::content(path, what))?;
         moves.edits.sort_by(|a, b| a.at.total_cmp(&b.at));
         moves.cameras.sort_by(|a, b| a.at.total_cmp(&b.at));
-        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let mut configuration = Configuration::initial(scene);
         let mut warnings = Vec::new();
         for (number, timed) in moves.edits.iter_mut().enumerate() {
             let place = |e: SceneError| SceneError::content(path, format!("edit {number} (at {} s): {e}", timed.at));
-            timed.edit.relocate(&folder(path), &folder(&scene.path)).map_err(place)?;
+            timed.edit.relocate(folder(path), folder(&scene.path)).map_err(place)?;
             timed.edit.steps(&configuration).map_err(place)?;
             configuration = configuration.apply_warning(&timed.edit, &mut warnings).map_err(place)?;
         }
         Ok((moves, warnings))
+    }
+
+    /// Writes a moves file; its paths are relative to the folder that it will stand in, those in memory to the scene's.
+    pub fn write(&self, path: &Path, scene: &Scene) -> Result<(), SceneError> {
+        let mut file = MovesFile { fps: self.fps, edits: self.edits.clone(), cameras: self.cameras.clone() };
+        for timed in &mut file.edits {
+            timed.edit.relocate(folder(&scene.path), folder(path))?;
+        }
+        write_ron(path, &file)
     }
 
     /// The camera of a time: halfway between two keys it is halfway from one to the other, in a straight line; before the first key and

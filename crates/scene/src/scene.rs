@@ -3,7 +3,7 @@
 use crate::{
     Lamp, Lattice, Material, Mesh, Pose, SceneError, Up, View, Warning,
     format::{ObjectEntry, SceneFile, read_ron},
-    load::Loader,
+    load::{Loader, Materials},
 };
 use std::{
     collections::BTreeMap,
@@ -48,6 +48,11 @@ impl Object {
         &self.materials[usize::from(self.mesh.material_of[t])]
     }
 
+    /// What a scene file says of it.
+    pub fn stated(&self) -> ObjectEntry {
+        ObjectEntry { position: self.pose.position, rotation: self.pose.rotation, ..self.entry.clone() }
+    }
+
     /// Whether another object has the same surfaces, wherever it stands.
     pub fn same_surfaces(&self, other: &Object) -> bool {
         let materials = self.materials.iter().zip(&other.materials);
@@ -62,7 +67,7 @@ impl PartialEq for Object {
     /// Equal in all that a scene file can say.
     fn eq(&self, other: &Self) -> bool {
         self.pose == other.pose
-            && self.carrier == other.carrier
+            && (self.carrier, &self.entry.material) == (other.carrier, &other.entry.material)
             && (self.movable, self.hidden_from_camera) == (other.movable, other.hidden_from_camera)
             && self.same_surfaces(other)
     }
@@ -79,6 +84,8 @@ pub struct Scene {
     pub up: Up,
     /// Materials by name.
     pub materials: BTreeMap<String, Arc<Material>>,
+    /// What meshes' own files say of those that the scene file does not define.
+    pub(crate) of_meshes: Materials,
     /// Objects, in order of their names.
     pub objects: Vec<Arc<Object>>,
     /// Lamps, in order of their names.

@@ -11,7 +11,6 @@ mod light;
 mod painter;
 mod sheet;
 mod show;
-mod timeline;
 
 use crate::{
     Common, PoolArguments,
@@ -192,7 +191,7 @@ fn play(
     let &Arguments { work, every, size: [width, height], common, .. } = painter.arguments;
     let mut configuration = solution.world().configuration().clone();
     let up = configuration.scene().up;
-    let steps: Vec<(f64, Edit)> = timeline::timeline(moves, &configuration)?;
+    let steps: Vec<(f64, Edit)> = moves.timeline(&configuration)?;
     let last = steps.last().map_or(0.0, |(at, _)| *at).max(moves.cameras.last().map_or(0.0, |key| key.at));
     let last_frame = (last * moves.fps - 1e-9).ceil().max(0.0) as u64;
     let mut steps = steps.into_iter().peekable();

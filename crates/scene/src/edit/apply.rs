@@ -1,133 +1,14 @@
-//! The edits: one change of the scene each, stated absolutely, never as an increment.
+//! From one configuration to the next.
 
 use crate::{
-    Configuration, FARTHEST, Lamp, Material, Object, SceneError, Warning,
+    Configuration, Edit, FARTHEST, Lamp, Material, Object, Pose, SceneError, Warning,
     configuration::{Slot, State},
-    format::{LampEntry, ObjectEntry, relocate},
-    load::{Loader, MOST_CELLS, printable},
+    format::{MaterialEntry, ObjectEntry},
+    load::{Index, Loader, MOST_CELLS, own_name, printable},
     unknown, within_reach,
 };
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
-use std::{path::Path, sync::Arc};
-
-/// One change of the scene. Poses are relative to the carrier of what rides.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Edit {
-    /// Put an object at a position, metres.
-    Move {
-        /// Its name.
-        object: String,
-        /// Metres.
-        to: DVec3,
-    },
-    /// Turn an object to a rotation, degrees about x, y, z.
-    Turn {
-        /// Its name.
-        object: String,
-        /// Degrees.
-        to: DVec3,
-    },
-    /// Slide an object from where it is in a straight line. As an edit it is the move to the end; a player goes step by step.
-    Drag {
-        /// Its name.
-        object: String,
-        /// Metres.
-        to: DVec3,
-        /// Longest step, metres.
-        step: f64,
-        /// How long the drag takes.
-        seconds: f64,
-    },
-    /// Make an object of one of the scene's materials.
-    Paint {
-        /// Its name.
-        object: String,
-        /// The material's name.
-        material: String,
-    },
-    /// Change a material wherever it is used.
-    Reflect {
-        /// Its name.
-        material: String,
-        /// Reflectance per linear Rec. 709 channel, 0 to 1.
-        to: DVec3,
-    },
-    /// Add an object.
-    Add(
-        /// As in a scene file.
-        ObjectEntry,
-    ),
-    /// Add a copy of an object.
-    Duplicate {
-        /// What is copied.
-        object: String,
-        /// The copy's name.
-        name: String,
-        /// The copy's position, metres.
-        to: DVec3,
-    },
-    /// Take an object away, and what rides on it.
-    Remove {
-        /// Its name.
-        object: String,
-    },
-    /// Put a lamp at a position, metres.
-    MoveLamp {
-        /// Its name.
-        lamp: String,
-        /// Metres.
-        to: DVec3,
-    },
-    /// Turn a lamp to a rotation, degrees about x, y, z.
-    TurnLamp {
-        /// Its name.
-        lamp: String,
-        /// Degrees.
-        to: DVec3,
-    },
-    /// Dim or recolour a lamp: nothing is re-traced.
-    Light {
-        /// Its name.
-        lamp: String,
-        /// Candela per channel, or the factor of its photometric file's.
-        intensity: DVec3,
-    },
-    /// Switch a lamp on or off: nothing is re-traced.
-    Switch {
-        /// Its name.
-        lamp: String,
-        /// On, or off.
-        on: bool,
-    },
-    /// Give a lamp another photometric file. As its share of the photons may change, all photons may become wrong.
-    Relamp {
-        /// Its name.
-        lamp: String,
-        /// LM-63 file, relative to the scene's folder.
-        photometry: String,
-    },
-    /// Add a lamp. As the shares of all lamps change, all photons may become wrong.
-    AddLamp(
-        /// As in a scene file.
-        LampEntry,
-    ),
-    /// Add a copy of a lamp; as [`Edit::AddLamp`].
-    DuplicateLamp {
-        /// What is copied.
-        lamp: String,
-        /// The copy's name.
-        name: String,
-        /// The copy's position, metres.
-        to: DVec3,
-    },
-    /// Take a lamp away; as [`Edit::AddLamp`].
-    RemoveLamp {
-        /// Its name.
-        lamp: String,
-    },
-}
+use std::sync::Arc;
 
 fn reachable(what: &str, to: DVec3) -> Result<DVec3, SceneError> {
     if within_reach(to) {
@@ -138,42 +19,6 @@ fn reachable(what: &str, to: DVec3) -> Result<DVec3, SceneError> {
 
 fn finite(what: &str, to: DVec3) -> Result<DVec3, SceneError> {
     if to.is_finite() { Ok(to) } else { Err(SceneError::Edit(format!("{what} cannot turn to {to}: not a number"))) }
-}
-
-impl Edit {
-    /// Its steps from `configuration` on, with seconds after its start; a drag has several, anything else is its own only step.
-    /// Every position is computed from the two ends alone.
-    pub fn steps(&self, configuration: &Configuration) -> Result<Vec<(f64, Edit)>, SceneError> {
-        let Edit::Drag { object, to, step, seconds } = self else { return Ok(vec![(0.0, self.clone())]) };
-        if !(step.is_finite() && *step > 0.0 && seconds.is_finite() && *seconds >= 0.0) {
-            return Err(SceneError::Edit("a drag needs a positive step and seconds not below 0".into()));
-        }
-        let from = configuration.object(configuration.object_id(object)?).pose.position;
-        let count = ((from.distance(*to) / step) - 1e-9).ceil().max(1.0);
-        if count > MOST_STEPS {
-            let what = format!("a drag of {count:e} steps is more than {MOST_STEPS:e}; make its step longer");
-            return Err(SceneError::Edit(what));
-        }
-        let count = count as u32;
-        Ok((1..=count)
-            .map(|k| {
-                let share = f64::from(k) / f64::from(count);
-                let to = if k == count { *to } else { from + (*to - from) * share };
-                (seconds * share, Edit::Move { object: object.clone(), to })
-            })
-            .collect())
-    }
-
-    /// Takes the paths of a file that stood in folder `from` to those of a scene in folder `to`.
-    pub(crate) fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
-        match self {
-            Edit::Add(entry) => relocate(&mut entry.mesh, from, to),
-            Edit::AddLamp(LampEntry { photometry: Some(file), .. }) | Edit::Relamp { photometry: file, .. } => {
-                relocate(file, from, to)
-            }
-            _ => Ok(()),
-        }
-    }
 }
 
 impl Configuration {
@@ -194,14 +39,38 @@ impl Configuration {
                 let to = finite(&format!("object '{object}'"), *to)?;
                 state.movable(object)?.pose.rotation = to;
             }
-            Edit::Paint { object, material } => {
-                let known = state.materials.keys().map(String::as_str);
-                let paint = state.materials.get(material);
-                let paint = paint.cloned().ok_or_else(|| SceneError::Edit(unknown("material", material, known)))?;
-                let object = state.object(object)?;
-                object.materials.fill(paint);
-                object.entry.material = Some(material.clone());
+            Edit::Put { object, on, to, rotation } => {
+                let what = format!("object '{object}'");
+                let pose = Pose { position: reachable(&what, *to)?, rotation: finite(&what, *rotation)? };
+                state.put(object, on.as_deref(), pose)?;
             }
+            Edit::Paint { object, material } => {
+                material.as_ref().map(|name| state.material(name)).transpose()?;
+                let painted = state.object(object)?;
+                let entry = ObjectEntry { material: material.clone(), ..painted.entry.clone() };
+                let mesh = painted.mesh.clone();
+                let materials = self.load(&mut state, warnings, |loader, _, _| loader.materials_of(&entry, &mesh))?;
+                let painted = state.object(object)?;
+                (painted.materials, painted.entry) = (materials, entry);
+            }
+            Edit::Texture { material, texture } => {
+                state.material(material)?;
+                let blank: Vec<ObjectEntry> =
+                    state.made_of(material).filter(|o| o.mesh.uvs.is_empty()).map(|o| o.entry.clone()).collect();
+                let read = self.load(&mut state, warnings, |loader, _, _| {
+                    let Some(file) = texture else { return Ok(None) };
+                    blank.iter().for_each(|entry| loader.warn_of_blank(entry));
+                    loader.texture(&format!("material '{material}'"), file).map(Some)
+                })?;
+                state.remake(material, |old| Material { texture: read, texture_path: texture.clone(), ..old })?;
+            }
+            Edit::AddMaterial { name, reflectance, texture } => {
+                state.new_material(name)?;
+                let entry = MaterialEntry { reflectance: *reflectance, texture: texture.clone() };
+                let material = self.load(&mut state, warnings, |loader, _, _| loader.material(name, &entry))?;
+                state.add_material(material);
+            }
+            Edit::RemoveMaterial { material } => state.remove_material(material)?,
             Edit::Reflect { material, to } => state.reflect(material, *to)?,
             Edit::Add(entry) => {
                 let object = self.load(&mut state, warnings, |loader, index, cell| loader.object(entry, index, cell))?;
@@ -223,20 +92,21 @@ impl Configuration {
                 state.lamp(lamp)?.pose.rotation = to;
             }
             Edit::Light { lamp, intensity } => {
-                let lit = state.lamp(lamp)?;
-                lit.intensity = *intensity;
-                if !(intensity.min_element() >= 0.0 && lit.flux().is_finite() && intensity.is_finite()) {
-                    let what = format!("lamp '{lamp}': intensity {intensity} must be candela, not below 0 and a number");
-                    return Err(SceneError::Edit(what));
-                }
+                state.lamp(lamp)?.intensity = *intensity;
+                state.countable(lamp)?;
             }
             Edit::Switch { lamp, on } => state.lamp(lamp)?.lit = *on,
-            Edit::Relamp { lamp, photometry } => {
+            Edit::Relamp { lamp, photometry, intensity } => {
                 let what = format!("lamp '{lamp}'");
-                let read = self.load(&mut state, warnings, |loader, _, _| loader.photometry(&what, photometry))?;
+                let read = self.load(&mut state, warnings, |loader, _, _| {
+                    photometry.as_ref().map(|file| loader.photometry(&what, file)).transpose()
+                })?;
                 let relamped = state.lamp(lamp)?;
-                relamped.photometry = Some(read);
-                relamped.entry.photometry = Some(photometry.clone());
+                (relamped.photometry, relamped.entry.photometry) = (read, photometry.clone());
+                if let Some(intensity) = intensity {
+                    (relamped.intensity, relamped.rated) = (*intensity, *intensity);
+                }
+                state.countable(lamp)?;
             }
             Edit::AddLamp(entry) => {
                 let lamp = self.load(&mut state, warnings, |loader, index, _| loader.lamp(entry, index))?;
@@ -261,23 +131,20 @@ impl Configuration {
         &self,
         state: &mut State,
         warnings: &mut Vec<Warning>,
-        read: impl FnOnce(&mut Loader, &crate::load::Index, f64) -> Result<T, SceneError>,
+        read: impl FnOnce(&mut Loader, &Index, f64) -> Result<T, SceneError>,
     ) -> Result<T, SceneError> {
         let scene = self.scene();
         let mut loader = Loader::new(&scene.path);
-        loader.own = scene.file.materials.keys().cloned().collect();
-        loader.materials = state.materials.clone();
+        loader.knows([&scene.materials, &state.materials, &state.of_meshes]);
+        (loader.materials, loader.of_meshes) = (state.materials.clone(), state.of_meshes.clone());
         let present = state.objects.iter().enumerate().filter(|(_, slot)| slot.present);
         let index = present.map(|(id, slot)| (slot.thing.name.clone(), id)).collect();
         let thing = read(&mut loader, &index, scene.file.cell)?;
         warnings.append(&mut loader.warnings);
-        state.materials = loader.materials;
+        (state.materials, state.of_meshes) = (loader.materials, loader.of_meshes);
         Ok(thing)
     }
 }
-
-/// Steps of a drag: at 25 a second, some seven minutes.
-const MOST_STEPS: f64 = 10_000.0;
 
 fn new_name(kind: &str, name: &str) -> Result<(), SceneError> {
     if printable(name) {
@@ -305,13 +172,57 @@ impl State {
         Ok(Arc::make_mut(&mut self.lamps[id].thing))
     }
 
+    /// A lamp's light must be a number, also when it is switched off.
+    fn countable(&mut self, name: &str) -> Result<(), SceneError> {
+        let lit = Lamp { lit: true, ..self.lamp(name)?.clone() };
+        let countable = lit.intensity.is_finite() && lit.flux().is_finite() && lit.rated_flux().is_finite();
+        if countable && lit.intensity.min_element() >= 0.0 {
+            return Ok(());
+        }
+        let what = format!("lamp '{name}': intensity {} must be candela, not below 0 and a number", lit.intensity);
+        Err(SceneError::Edit(what))
+    }
+
+    /// Carriers form no ring.
+    fn put(&mut self, name: &str, on: Option<&str>, pose: Pose) -> Result<(), SceneError> {
+        self.movable(name)?;
+        let id = self.object_id(name)?;
+        let carrier = on.map(|on| self.object_id(on)).transpose()?;
+        let mut below = carrier;
+        while let Some(at) = below {
+            if at == id {
+                let on = on.unwrap_or_default();
+                let why = if on == name { "itself".into() } else { format!("'{on}', which rides on it") };
+                return Err(SceneError::Edit(format!("object '{name}' cannot be put on {why}")));
+            }
+            below = self.objects[at].thing.carrier;
+        }
+        let object = self.object(name)?;
+        (object.carrier, object.entry.on, object.pose) = (carrier, on.map(str::to_owned), pose);
+        Ok(())
+    }
+
+    pub fn material(&self, name: &str) -> Result<&Arc<Material>, SceneError> {
+        let known = self.materials.keys().map(String::as_str);
+        self.materials.get(name).ok_or_else(|| SceneError::Edit(unknown("material", name, known)))
+    }
+
+    /// The objects that are there and use a material.
+    fn made_of(&self, material: &str) -> impl Iterator<Item = &Object> {
+        let present = self.objects.iter().filter(|slot| slot.present).map(|slot| &*slot.thing);
+        present.filter(move |object| object.materials.iter().any(|m| m.name == material))
+    }
+
     fn reflect(&mut self, name: &str, to: DVec3) -> Result<(), SceneError> {
         if !(to.is_finite() && to.min_element() >= 0.0 && to.max_element() <= 1.0) {
             return Err(SceneError::Edit(format!("material '{name}': reflectance {to} must be within 0 to 1")));
         }
-        let known = self.materials.keys().map(String::as_str);
-        let old = self.materials.get(name).ok_or_else(|| SceneError::Edit(unknown("material", name, known)))?;
-        let new = Arc::new(Material { reflectance: to.as_vec3(), ..Material::clone(old) });
+        self.remake(name, |old| Material { reflectance: to.as_vec3(), ..old })
+    }
+
+    /// Changes a material wherever it is used.
+    fn remake(&mut self, name: &str, change: impl FnOnce(Material) -> Material) -> Result<(), SceneError> {
+        let new = Arc::new(change(Material::clone(self.material(name)?)));
         for slot in &mut self.objects {
             if slot.thing.materials.iter().any(|m| m.name == name) {
                 let uses = Arc::make_mut(&mut slot.thing).materials.iter_mut().filter(|m| m.name == name);
@@ -319,6 +230,43 @@ impl State {
             }
         }
         self.materials.insert(name.to_owned(), new);
+        Ok(())
+    }
+
+    fn new_material(&self, name: &str) -> Result<(), SceneError> {
+        new_name("material", name)?;
+        if self.materials.contains_key(name) {
+            return Err(SceneError::Edit(format!("there is a material '{name}' already; give the new one another name")));
+        }
+        // When the object is read again its material must not turn into this one.
+        let mut own =
+            self.objects.iter().filter(|slot| slot.present && slot.thing.entry.material.is_none()).map(|slot| &slot.thing);
+        let kept = |object: &Object| object.mesh.materials.iter().any(|own| own_name(own, &object.entry.mesh) == name);
+        match own.find(|object| kept(object)) {
+            None => Ok(()),
+            Some(object) => {
+                let what =
+                    format!("the name '{name}' is kept for a material of object '{}'; give the new one another", object.name);
+                Err(SceneError::Edit(what))
+            }
+        }
+    }
+
+    fn add_material(&mut self, material: Material) {
+        // What says the same as a mesh's own file still counts as the mesh's, so that undoing leaves no trace.
+        if self.of_meshes.get(&material.name).is_some_and(|own| **own != material) {
+            self.of_meshes.remove(&material.name);
+        }
+        self.materials.insert(material.name.clone(), Arc::new(material));
+    }
+
+    fn remove_material(&mut self, name: &str) -> Result<(), SceneError> {
+        self.material(name)?;
+        if let Some(object) = self.made_of(name).next() {
+            let what = format!("material '{name}' is used by object '{}'; paint that first", object.name);
+            return Err(SceneError::Edit(what));
+        }
+        self.materials.remove(name);
         Ok(())
     }
 
@@ -338,8 +286,8 @@ impl State {
         let place = self.objects.iter_mut().find(|s| !s.present && s.thing.name == object.name && s.thing.mesh == object.mesh);
         match place {
             Some(slot) => {
-                // One lattice for one slot: cells keep their numbers.
-                object.lattice = slot.thing.lattice.clone();
+                // One lattice for one slot: cells keep their numbers. One mesh: it is seen at a glance that it is the same.
+                (object.mesh, object.lattice) = (slot.thing.mesh.clone(), slot.thing.lattice.clone());
                 *slot = Slot { thing: Arc::new(object), present: true };
             }
             None => self.objects.push(Slot { thing: Arc::new(object), present: true }),
