@@ -346,11 +346,11 @@ impl Solution {
         (work, findings)
     }
 
-    /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must be up to date with one earlier world,
+    /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must have been shot at one earlier world,
     /// and after the last call [`settle_all`](Self::settle_all) says that every relevant photon was among them.
-    pub fn repair_photons(&mut self, before: &World, photons: &[PhotonIndex]) -> Work {
-        let changed = before.difference(&self.world);
-        self.reshoot(before, &changed, photons).0
+    pub fn repair_photons(&mut self, photons: &[PhotonIndex]) -> Work {
+        let past = self.pasts[self.past_of[0] as usize].clone();
+        self.reshoot(&past.world, &past.changed, photons).0
     }
 
     /// Declares all groups up to date.
