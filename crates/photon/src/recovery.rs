@@ -164,8 +164,7 @@ struct Recording {
 
 impl Recording {
     fn add(&mut self, work: Work, repaired: u64) {
-        self.last.work.photons += work.photons;
-        self.last.work.rays += work.rays;
+        self.last.work += work;
         self.last.repaired += repaired;
         self.last.seconds = self.start.elapsed().as_secs_f64();
         self.moments.push(self.last);
