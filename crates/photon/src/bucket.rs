@@ -7,7 +7,10 @@
 
 use glam::Vec3;
 use lightmend_scene::Configuration;
-use std::io::{self, Write};
+use std::{
+    io::{self, Write},
+    sync::Arc,
+};
 
 /// log₂ of the energy of a photon that has lost nothing: a deposit is `round(throughput · 2²⁴)`.
 pub const ENERGY_BITS: u32 = 24;
@@ -52,13 +55,13 @@ pub struct Bucket {
     pub hits: i64,
 }
 
-/// All buckets of a scene.
+/// All buckets of a scene. A clone shares its pages until light arrives in them: of two snapshots, only what differs is held twice.
 #[derive(Debug, Clone, Default)]
 pub struct Buckets {
     /// Cells of each object, by number.
     cells: Vec<u32>,
     /// Per object, a page for each side of each lamp: 2 · lamp + side.
-    pages: Vec<Vec<Option<Box<[Bucket]>>>>,
+    pages: Vec<Vec<Option<Arc<[Bucket]>>>>,
 }
 
 impl Buckets {
@@ -99,7 +102,7 @@ impl Buckets {
     fn page(&mut self, at: Address) -> &mut [Bucket] {
         let cells = self.cells[at.object as usize] as usize;
         let page = &mut self.pages[at.object as usize][2 * usize::from(at.lamp) + usize::from(at.side)];
-        page.get_or_insert_with(|| vec![Bucket::default(); cells].into())
+        Arc::make_mut(page.get_or_insert_with(|| vec![Bucket::default(); cells].into()))
     }
 
     /// The buckets of all cells of one object, side and lamp; `None` if no light ever arrived.

@@ -13,3 +13,12 @@ pub fn mix(x: u64) -> u64 {
 pub fn of_name(name: &str) -> u64 {
     name.bytes().fold(mix(name.len() as u64), |hash, byte| mix(hash ^ u64::from(byte)))
 }
+
+/// Fisher–Yates with a fixed seed.
+pub fn shuffle<T>(things: &mut [T]) {
+    let mut state = 0x5eed;
+    for i in (1..things.len()).rev() {
+        state = mix(state);
+        things.swap(i, (state % (i as u64 + 1)) as usize);
+    }
+}

@@ -10,12 +10,12 @@
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
 //!
 //! ```no_run
-//! use lightmend_photon::{halton::Scrambling, path::FirstHits, pool::Pool, solver::{Settings, Solver}};
+//! use lightmend_photon::{halton::Scrambling, path::FirstHits, pool::Pool, solver::{Controls, Settings, Solver}};
 //! use lightmend_scene::{Configuration, Edit, Scene};
 //! let (scene, _) = Scene::read("scenes/room/room.ron".as_ref())?;
 //! let room = Configuration::initial(&scene);
 //! let pool = Pool::new(1_152_000, 288, 16, Scrambling::Seed(1))?;
-//! let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, iteration: std::time::Duration::from_millis(10), iterations: 2, threads: 2 };
+//! let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, threads: 2, courteous: true, controls: Controls::default() };
 //! let solver = Solver::start(room.clone(), settings)?;
 //! solver.edit(room.apply(&Edit::Move { object: "table".into(), to: glam::DVec3::new(2.6, 1.0, 0.0) })?);
 //! let light = solver.wait_until_exact();

@@ -138,6 +138,15 @@ impl Pool {
         GroupId(((photon.0 >> self.shift) % u64::from(self.groups)) as u32)
     }
 
+    /// How many photons group `g` has.
+    pub fn photons_in(&self, g: GroupId) -> u64 {
+        let correctives = |copy: u64| {
+            let points = (self.photons - copy).div_ceil(1 << self.shift);
+            points.saturating_sub(self.all_pilots() + u64::from(g.0)).div_ceil(u64::from(self.groups))
+        };
+        self.pilots_per_group() + (0..1u64 << self.shift).map(correctives).sum::<u64>()
+    }
+
     /// The photons of group `g`: copy by copy, its pilots, then its corrective photons.
     pub fn photons_of(&self, g: GroupId) -> impl Iterator<Item = PhotonIndex> + '_ {
         let (groups, g) = (u64::from(self.groups), u64::from(g.0));
@@ -177,6 +186,7 @@ mod tests {
                 (0..groups).flat_map(|g| pool.photons_of(GroupId(g)).map(|i| i.0).collect::<Vec<_>>()).collect();
             seen.sort_unstable();
             assert!(seen.into_iter().eq(0..photons), "{photons} in {groups}");
+            assert!((0..groups).map(GroupId).all(|g| pool.photons_in(g) == pool.photons_of(g).count() as u64));
         }
     }
 

@@ -4,7 +4,7 @@
 //! configuration and the edited one; found by brute force. The seed draws such curves in its Figures 5 and 7.
 
 use crate::{
-    hash::mix,
+    hash::shuffle,
     path::{FirstHits, Rules, Trail, trace},
     pool::{PhotonIndex, Pool},
     solution::{Solution, Work},
@@ -139,12 +139,11 @@ pub fn recover(
                 shuffle(&mut photons);
             }
             let mut solution = drained.clone();
-            let before = drained.world();
             recording.start = Instant::now();
             solution.change(after.clone());
             let blocks = if order == Order::Oracle { BLOCK / 8 } else { BLOCK };
             for block in photons.chunks(blocks) {
-                let work = solution.repair_photons(before, block);
+                let work = solution.repair_photons(block);
                 recording.add(work, relevant.among(block.iter().copied()));
                 if !progress(recording.last.work.photons as f64 / photons.len() as f64) {
                     return None;
@@ -165,19 +164,9 @@ struct Recording {
 
 impl Recording {
     fn add(&mut self, work: Work, repaired: u64) {
-        self.last.work.photons += work.photons;
-        self.last.work.rays += work.rays;
+        self.last.work += work;
         self.last.repaired += repaired;
         self.last.seconds = self.start.elapsed().as_secs_f64();
         self.moments.push(self.last);
-    }
-}
-
-/// Fisher–Yates with a fixed seed.
-fn shuffle(photons: &mut [PhotonIndex]) {
-    let mut state = 0x5eed;
-    for i in (1..photons.len()).rev() {
-        state = mix(state);
-        photons.swap(i, (state % (i as u64 + 1)) as usize);
     }
 }

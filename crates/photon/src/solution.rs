@@ -8,6 +8,7 @@
 
 use crate::{
     bucket::Buckets,
+    hash::shuffle,
     path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
     saved::Saved,
@@ -15,7 +16,10 @@ use crate::{
     world::{Difference, World},
 };
 use rayon::prelude::*;
-use std::{ops::Range, sync::Arc};
+use std::{
+    ops::{AddAssign, Range},
+    sync::Arc,
+};
 
 /// Photons that one task traces in a row.
 const TASK: u64 = 512;
@@ -27,6 +31,13 @@ pub struct Work {
     pub photons: u64,
     /// Rays through the trees.
     pub rays: u64,
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, more: Work) {
+        self.photons += more.photons;
+        self.rays += more.rays;
+    }
 }
 
 /// What `Solution` keeps of a world that groups were shot at.
@@ -52,6 +63,9 @@ pub struct Solution {
     /// P of each group.
     priority: Vec<u32>,
     view: Visibility,
+    /// All groups in a fixed pseudo-random order, and where in it the last one was repaired.
+    shuffled: Arc<[GroupId]>,
+    turn: usize,
 }
 
 /// V of each group: how many hits of pilots that resemble it lie in the camera's frustum.
@@ -126,7 +140,6 @@ impl Solution {
     }
 
     fn finish(pool: Pool, mut shooting: Shooting, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
-        let (rules, world) = (shooting.rules.clone(), shooting.world.clone());
         while shooting.photons() < pool.photons() {
             let left = pool.photons() - shooting.photons();
             let rays = shooting.work.rays;
@@ -135,19 +148,29 @@ impl Solution {
                 break;
             }
         }
+        Solution::of(pool, shooting)
+    }
+
+    /// What was shot is the whole pool, perhaps smaller than `pool`. `None` if it is less than the groups need.
+    pub fn of(pool: Pool, shooting: Shooting) -> Option<Solution> {
         let pool = pool.shrunk(shooting.photons())?;
+        let Shooting { rules, world, buckets, tallies, .. } = shooting;
         let groups = pool.groups() as usize;
         let past = Past { world: world.clone(), changed: Difference::default(), groups };
+        let mut shuffled: Vec<GroupId> = (0..pool.groups()).map(GroupId).collect();
+        shuffle(&mut shuffled);
         Some(Solution {
             pool,
             rules,
-            buckets: shooting.buckets,
-            tallies: shooting.tallies,
+            buckets,
+            tallies,
             world,
             pasts: vec![past],
             past_of: vec![0; groups],
             priority: vec![0; groups],
             view: Visibility { hits: vec![0; groups], ..Visibility::default() },
+            shuffled: shuffled.into(),
+            turn: 0,
         })
     }
 
@@ -233,6 +256,11 @@ impl Solution {
         (0..self.pool.groups()).map(GroupId).filter(|g| self.is_stale(g.0 as usize))
     }
 
+    /// Photons of the groups that hold phantoms.
+    pub fn stale_photons(&self) -> u64 {
+        self.stale().map(|group| self.pool.photons_in(group)).sum()
+    }
+
     /// The stale group of highest priority V·P; among equals that of higher P, then the first.
     pub fn most_urgent(&self) -> Option<GroupId> {
         let priority = |g: &GroupId| {
@@ -247,14 +275,23 @@ impl Solution {
         self.most_urgent().map(|group| self.repair(group))
     }
 
+    /// Brings the next stale group of a fixed pseudo-random order up to date, going round: under edits that keep coming every group
+    /// has its turn equally often. `None` if none is stale.
+    pub fn repair_shuffled(&mut self) -> Option<Repaired> {
+        let groups = self.shuffled.len();
+        let mut turns = (self.turn..self.turn + groups).map(|turn| turn % groups);
+        let turn = turns.find(|turn| self.is_stale(self.shuffled[*turn].0 as usize))?;
+        self.turn = turn + 1;
+        Some(self.repair(self.shuffled[turn]))
+    }
+
     /// A round of headless work: repairs groups until `rays` were traced or nothing is stale. It ends with the group that reaches them,
     /// so that what a row of rounds does depends on state alone.
     pub fn repair_round(&mut self, rays: u64) -> Work {
         let mut work = Work::default();
         while work.rays < rays {
             let Some(repaired) = self.repair_next() else { break };
-            work.photons += repaired.work.photons;
-            work.rays += repaired.work.rays;
+            work += repaired.work;
         }
         work
     }
@@ -346,11 +383,11 @@ impl Solution {
         (work, findings)
     }
 
-    /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must be up to date with one earlier world,
+    /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must have been shot at one earlier world,
     /// and after the last call [`settle_all`](Self::settle_all) says that every relevant photon was among them.
-    pub fn repair_photons(&mut self, before: &World, photons: &[PhotonIndex]) -> Work {
-        let changed = before.difference(&self.world);
-        self.reshoot(before, &changed, photons).0
+    pub fn repair_photons(&mut self, photons: &[PhotonIndex]) -> Work {
+        let past = self.pasts[self.past_of[0] as usize].clone();
+        self.reshoot(&past.world, &past.changed, photons).0
     }
 
     /// Declares all groups up to date.
@@ -365,6 +402,7 @@ impl Solution {
 const CLASSES: u64 = 288;
 
 /// A pool while it is shot for the first time: any prefix of it is a valid estimate.
+#[derive(Clone)]
 pub struct Shooting {
     rules: Arc<Rules>,
     world: Arc<World>,
@@ -390,6 +428,9 @@ impl Shooting {
     /// How many photons to shoot between two looks at the clock.
     pub const SLAB: u64 = CLASSES * 256;
 
+    /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
+    pub const LEAST: u64 = CLASSES;
+
     /// What is shot at.
     pub fn world(&self) -> &Arc<World> {
         &self.world
@@ -398,6 +439,13 @@ impl Shooting {
     /// The light so far.
     pub fn buckets(&self) -> &Buckets {
         &self.buckets
+    }
+
+    /// Goes on in a world that differs from its own in nothing that photons meet: lamps that were dimmed, say.
+    pub fn change(&mut self, world: Arc<World>) {
+        self.buckets.grow(world.configuration());
+        self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
+        self.world = world;
     }
 
     /// Shoots the next `count` photons.
