@@ -63,10 +63,18 @@ impl Frustum {
     }
 }
 
-/// The element sides that a camera sees, each as often as it has pixels.
+/// The element sides that a camera sees, each with the number of its pixels.
 pub struct Visible {
-    /// Object, cell, side, area of the cell in m².
-    pixels: Vec<(usize, u32, usize, f64)>,
+    sides: Vec<Side>,
+}
+
+struct Side {
+    object: usize,
+    cell: u32,
+    side: usize,
+    /// Of the cell, m².
+    area: f64,
+    pixels: u32,
 }
 
 /// Pixels of the item buffer: enough that an element of a few per cent of the picture counts as it should.
@@ -83,23 +91,38 @@ impl Visible {
             let (hit, direction) = lens.see(world, x, y)?;
             let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal.dot(direction) > 0.0));
             let area = world.object(object).lattice.area_in(hit.triangle.in_mesh());
-            Some((object, path::cell(world, &hit), side, area))
+            Some(Side { object, cell: path::cell(world, &hit), side, area, pixels: 1 })
         };
-        let mut pixels: Vec<_> = (0..WIDTH * HEIGHT).into_par_iter().filter_map(see).collect();
-        pixels.sort_by_key(|p| (p.0, p.1, p.2));
-        Visible { pixels }
+        let mut seen: Vec<Side> = (0..WIDTH * HEIGHT).into_par_iter().filter_map(see).collect();
+        seen.sort_by_key(|s| (s.object, s.cell, s.side));
+        seen.dedup_by(|next, first| {
+            let same = (next.object, next.cell, next.side) == (first.object, first.cell, first.side);
+            first.pixels += u32::from(same);
+            same
+        });
+        Visible { sides: seen }
+    }
+
+    /// Irradiance of what is seen, lux per linear Rec. 709 channel, in an order of its own.
+    pub fn values(&self, light: &Buckets, scale: &Scale) -> Vec<[f32; 3]> {
+        let value = |s: &Side| scale.irradiance(light, s.object, s.cell, s.side, s.area).value.as_vec3().to_array();
+        self.sides.iter().map(value).collect()
+    }
+
+    /// Visible error of [`values`](Self::values) against the drained ones; 0 if nothing is seen.
+    pub fn difference(&self, values: &[[f32; 3]], drained: &[[f32; 3]]) -> f64 {
+        let (mut error, mut reference) = (0.0, 0.0);
+        for ((side, now), right) in self.sides.iter().zip(values).zip(drained) {
+            let [now, right] = [now, right].map(|v| Vec3::from_array(*v).as_dvec3());
+            error += f64::from(side.pixels) * (now - right).length_squared();
+            reference += f64::from(side.pixels) * right.length_squared();
+        }
+        if reference > 0.0 { (error / reference).sqrt() } else { 0.0 }
     }
 
     /// Visible error of `light` against `drained`; 0 if nothing is seen. Both pools have the same size.
     pub fn error(&self, light: &Buckets, drained: &Buckets, scale: &Scale) -> f64 {
-        let (mut error, mut reference) = (0.0, 0.0);
-        for (object, cell, side, area) in &self.pixels {
-            let now = scale.irradiance(light, *object, *cell, *side, *area).value;
-            let right = scale.irradiance(drained, *object, *cell, *side, *area).value;
-            error += (now - right).length_squared();
-            reference += right.length_squared();
-        }
-        if reference > 0.0 { (error / reference).sqrt() } else { 0.0 }
+        self.difference(&self.values(light, scale), &self.values(drained, scale))
     }
 }
 

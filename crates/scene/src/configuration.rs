@@ -4,7 +4,7 @@
 //! that buckets and trees can be told by number.
 
 use crate::{
-    Direct, Lamp, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials, scene::same,
+    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials, scene::same,
     unknown,
 };
 use std::{collections::BTreeSet, sync::Arc};
@@ -146,6 +146,11 @@ impl Configuration {
     /// Whether lamp number `id` is there.
     pub fn has_lamp(&self, id: usize) -> bool {
         self.state.lamps.get(id).is_some_and(|slot| slot.present)
+    }
+
+    /// All materials, in order of their names.
+    pub fn materials(&self) -> impl Iterator<Item = &Material> {
+        self.state.materials.values().map(|material| &**material)
     }
 
     /// Where object `id` is in the world.

@@ -239,6 +239,13 @@ pub(crate) fn relocate(path: &mut String, from: &Path, to: &Path) -> Result<(), 
     Ok(())
 }
 
+/// How a file in folder `folder` names the file at `path`.
+pub fn path_from(folder: &Path, path: &Path) -> Result<String, SceneError> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let absolute = |path: &Path| path.canonicalize().map_err(|e| SceneError::read(path, e));
+    Ok(relative(&absolute(path)?, &absolute(folder)?))
+}
+
 /// `path` as seen from folder `base`; both absolute.
 fn relative(path: &Path, base: &Path) -> String {
     let common = path.components().zip(base.components()).take_while(|(a, b)| a == b).count();

@@ -200,6 +200,28 @@ impl Edit {
             .collect())
     }
 
+    /// The name of what it changes.
+    pub fn subject(&self) -> &str {
+        match self {
+            Edit::Move { object, .. }
+            | Edit::Turn { object, .. }
+            | Edit::Drag { object, .. }
+            | Edit::Put { object, .. }
+            | Edit::Paint { object, .. }
+            | Edit::Remove { object } => object,
+            Edit::Texture { material, .. } | Edit::RemoveMaterial { material } | Edit::Reflect { material, .. } => material,
+            Edit::AddMaterial { name, .. } | Edit::Duplicate { name, .. } | Edit::DuplicateLamp { name, .. } => name,
+            Edit::Add(entry) => &entry.name,
+            Edit::AddLamp(entry) => &entry.name,
+            Edit::MoveLamp { lamp, .. }
+            | Edit::TurnLamp { lamp, .. }
+            | Edit::Light { lamp, .. }
+            | Edit::Switch { lamp, .. }
+            | Edit::Relamp { lamp, .. }
+            | Edit::RemoveLamp { lamp } => lamp,
+        }
+    }
+
     /// Takes the paths of a file that stood in folder `from` to those of a scene in folder `to`.
     pub(crate) fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
         match self {
