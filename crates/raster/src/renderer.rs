@@ -5,7 +5,8 @@ use crate::{
     composition::{Parts, Variant},
     device::{Device, RasterError},
     frame::{Frame, Lamps},
-    geometry::{Geometry, Indirect, Thing},
+    geometry::{Geometry, Thing},
+    irradiance::Indirect,
     pipelines::{Pipelines, group},
     shadow::{Draw, Draws, Volumes},
     targets::{Targets, read},
@@ -81,7 +82,7 @@ impl Renderer {
         self.device.check()
     }
 
-    /// From now on this is the indirect light.
+    /// From now on this is the indirect light. What is the same `Arc` as before costs nothing.
     pub fn light(&mut self, indirect: &Indirect) -> Result<(), RasterError> {
         self.geometry.light(&self.device, indirect)?;
         self.device.check()
@@ -165,7 +166,7 @@ impl Renderer {
                 BindingResource::TextureView(&ids),
                 BindingResource::TextureView(&masks),
                 BindingResource::TextureView(&self.geometry.triangles.view),
-                BindingResource::TextureView(&self.geometry.irradiance.view),
+                BindingResource::TextureView(&self.geometry.irradiance.table.view),
                 BindingResource::TextureView(&self.geometry.materials.view),
                 BindingResource::TextureView(&self.lamps.cube_maps.view),
                 BindingResource::TextureView(&self.geometry.uvs.view),
@@ -286,6 +287,12 @@ impl Renderer {
     /// first time.
     pub fn volumes_made(&self) -> usize {
         self.volumes.made
+    }
+
+    /// How many bytes of indirect light the last [`light`](Self::light) wrote to the device: those of sides whose light changed, or of all
+    /// sides if others are lit than before.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.geometry.irradiance.uploaded_bytes()
     }
 
     /// Waits until the picture is done, and says how long its passes took.
