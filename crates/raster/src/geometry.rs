@@ -381,6 +381,12 @@ impl Geometry {
         Ok(())
     }
 
+    /// Numbers of an object's triangles among all, if it stands there.
+    pub fn triangles_of(&self, object: usize) -> Option<Range<u32>> {
+        let number = self.things.iter().position(|thing| thing.id == object)?;
+        Some(self.firsts[number]..self.firsts[number + 1])
+    }
+
     /// The object and its triangle that number `triangle` among all is.
     pub fn source(&self, triangle: u32) -> (usize, usize) {
         let number = self.firsts.partition_point(|first| *first <= triangle) - 1;

@@ -9,6 +9,8 @@
 //!    ([`frame`]) light by its goniometric diagram ([`goniometric`]) times its mask, times what the surface reflects ([`textures`]); looked up in [`table`]s.
 //! 5. *Exposure and tone curve*, or false colours ([`tone`]).
 //!
+//! The picture is read back, or shown with outlines of what is chosen ([`present`]).
+//!
 //! ```no_run
 //! use lightmend_raster::{Device, Look, Parts, Renderer, Settings};
 //! use lightmend_scene::{Configuration, Scene};
@@ -30,6 +32,7 @@ pub mod geometry;
 pub mod goniometric;
 pub mod irradiance;
 mod pipelines;
+pub mod present;
 pub mod renderer;
 pub mod shadow;
 pub mod table;
@@ -43,6 +46,7 @@ pub mod welded;
 pub use composition::Parts;
 pub use device::{Device, RasterError};
 pub use irradiance::{Indirect, side_light};
+pub use present::Mark;
 pub use renderer::{Renderer, Settings};
 pub use timing::Times;
 pub use tone::{FALSE_COLOURS, Look};

@@ -8,6 +8,7 @@ use crate::{
     geometry::{Geometry, Thing},
     irradiance::Indirect,
     pipelines::{Pipelines, group},
+    present::{Mark, Presenter},
     shadow::{Draw, Draws, Volumes},
     targets::{Targets, read},
     timing::{Pass, Stopwatch, Times},
@@ -39,6 +40,7 @@ pub struct Renderer {
     geometry: Geometry,
     lamps: Lamps,
     volumes: Volumes,
+    presenter: Presenter,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     tone: wgpu::Buffer,
@@ -56,6 +58,7 @@ impl Renderer {
             geometry: Geometry::new(&device)?,
             lamps: Lamps::new(&device)?,
             volumes: Volumes::new(&device)?,
+            presenter: Presenter::new(&device)?,
             targets: None,
             frame: device.buffer("frame", size_of::<Frame>() as u64, uniform)?,
             tone: device.buffer("tone", size_of::<GpuTone>() as u64, uniform)?,
@@ -280,6 +283,28 @@ impl Renderer {
         }
         self.stopwatch.resolve(&mut encoder);
         self.device.queue.submit([encoder.finish()]);
+        self.device.check()
+    }
+
+    /// Draws the last picture, scaled, into the part of `target` that `viewport` is (x, y, width, height; pixels), with outlines of marked
+    /// objects, 8 at most; the rest of `target`, whose format is `format`, becomes black. All of it, if nothing was drawn yet.
+    pub fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: [u32; 4],
+        marks: &[Mark],
+    ) -> Result<(), RasterError> {
+        let clear = LoadOp::Clear(wgpu::Color::BLACK);
+        {
+            let mut pass = begin(encoder, "present", target, clear, None, self.stopwatch.render(Pass::Present));
+            if let Some(targets) = &self.targets {
+                let (device, geometry) = (&self.device, &self.geometry);
+                self.presenter.draw(device, &mut pass, target.texture(), format, viewport, targets, marks, geometry);
+            }
+        }
+        self.stopwatch.resolve_present(encoder);
         self.device.check()
     }
 
