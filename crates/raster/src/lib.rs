@@ -9,7 +9,7 @@
 //!    ([`frame`]) light by its goniometric diagram ([`goniometric`]) times its mask, times what the surface reflects ([`textures`]); looked up in [`table`]s.
 //! 5. *Exposure and tone curve*, or false colours ([`tone`]).
 //!
-//! The picture is read back, or shown with outlines of what is chosen ([`present`]).
+//! The picture is read back, or shown in a window ([`screen`]) with outlines of what is chosen ([`present`]).
 //!
 //! ```no_run
 //! use lightmend_raster::{Device, Look, Parts, Renderer, Settings};
@@ -34,6 +34,7 @@ pub mod irradiance;
 mod pipelines;
 pub mod present;
 pub mod renderer;
+pub mod screen;
 pub mod shadow;
 pub mod table;
 pub mod targets;
@@ -48,5 +49,6 @@ pub use device::{Device, RasterError};
 pub use irradiance::{Indirect, side_light};
 pub use present::Mark;
 pub use renderer::{Renderer, Settings};
+pub use screen::Screen;
 pub use timing::Times;
 pub use tone::{FALSE_COLOURS, Look};

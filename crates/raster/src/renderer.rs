@@ -441,7 +441,7 @@ mod tests {
                 renderer.draw(&view, &settings(width)).unwrap();
                 renderer.finish().unwrap();
             }
-            renderer.device().device.destroy();
+            renderer.device().lose();
             let drawn = renderer.draw(&view, &settings(after));
             let finished = drawn.and_then(|()| renderer.finish().map(|_| ()));
             assert!(matches!(finished, Err(RasterError::Lost(_))), "{finished:?}");
