@@ -6,7 +6,7 @@
 use image::RgbImage;
 use lightmend_perception::{GoldenError, check_against_golden};
 use lightmend_photon::{irradiance::Scale, path::FirstHits, vertex_irradiance::vertex_irradiance};
-use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings};
+use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, side_light};
 use lightmend_scene::{Configuration, Edit, LatticePoints};
 use lightmend_tests::{own_scene, pool, shoot, world};
 use std::{
@@ -28,7 +28,8 @@ fn draw(scene: &str, camera: &str, edits: &[Edit]) -> RgbImage {
     let sides = |id: usize| {
         let object = configuration.object(id);
         let points = LatticePoints::new(&object.mesh, &object.lattice);
-        [0, 1].map(|side| vertex_irradiance(solution.buckets(), &scale, id, side, &object.lattice, &points, lamps))
+        let lux = |side| vertex_irradiance(solution.buckets(), &scale, id, side, &object.lattice, &points, lamps);
+        [0, 1].map(|side| lux(side).map(|lux| side_light(&lux)))
     };
     let indirect: Indirect =
         (0..configuration.object_slots()).map(|id| if configuration.has_object(id) { sides(id) } else { [None, None] }).collect();

@@ -2,7 +2,7 @@
 
 use crate::leave_errors;
 use glam::{DMat3, DVec3};
-use lightmend_raster::{Parts, Renderer};
+use lightmend_raster::{Indirect, Parts, Renderer, side_light};
 use lightmend_scene::{Configuration, Edit, LatticePoints, Scene, View};
 use lightmend_tests::{
     Builder,
@@ -51,10 +51,10 @@ fn linear(id: usize, side: usize, p: DVec3) -> DVec3 {
 }
 
 /// Values at all lattice points of the sides that `lit` names.
-fn indirect(configuration: &Configuration, lit: impl Fn(usize, usize) -> bool) -> Vec<[Option<Vec<[f32; 3]>>; 2]> {
+fn indirect(configuration: &Configuration, lit: impl Fn(usize, usize) -> bool) -> Indirect {
     let side = |id: usize, side: usize| {
-        let values = points(configuration, id).into_iter().map(|p| linear(id, side, p).as_vec3().to_array()).collect();
-        lit(id, side).then_some(values)
+        let values: Vec<_> = points(configuration, id).into_iter().map(|p| linear(id, side, p).as_vec3().to_array()).collect();
+        lit(id, side).then(|| side_light(&values))
     };
     (0..configuration.object_slots()).map(|id| [side(id, 0), side(id, 1)]).collect()
 }

@@ -3,7 +3,7 @@
 use crate::leave_errors;
 use glam::{DVec2, DVec3, Vec3};
 use image::{Rgb, RgbImage};
-use lightmend_raster::{Parts, Renderer};
+use lightmend_raster::{Parts, Renderer, side_light};
 use lightmend_scene::{Configuration, Scene, Texture, View};
 use lightmend_tests::{
     Builder,
@@ -41,7 +41,7 @@ impl Textured {
         let mut renderer = renderer();
         renderer.show(&configuration).unwrap();
         // π lux everywhere: what is seen is the reflectance.
-        renderer.light(&vec![[Some(vec![[std::f32::consts::PI; 3]; 6]), None]]).unwrap();
+        renderer.light(&vec![[Some(side_light(&[[std::f32::consts::PI; 3]; 6])), None]]).unwrap();
         let texture = scene.objects[0].materials[0].texture.clone().unwrap();
         Textured { renderer, configuration, texture, size, start, times }
     }

@@ -7,7 +7,7 @@ use lightmend_photon::{
     path::FirstHits,
     vertex_irradiance::vertex_irradiance,
 };
-use lightmend_raster::{Indirect, Parts, Renderer};
+use lightmend_raster::{Indirect, Parts, Renderer, side_light};
 use lightmend_scene::{Configuration, LatticePoints, Scene, View};
 use lightmend_tests::{
     pixels::{all_around, draw, pixels, renderer},
@@ -102,7 +102,8 @@ impl Hybrid {
             configuration.objects().map(|(_, object)| LatticePoints::new(&object.mesh, &object.lattice)).collect();
         let side = |id: usize, side| {
             let lattice = &configuration.object(id).lattice;
-            vertex_irradiance(&indirect, &scale, id, side, lattice, &points[id], configuration.lamp_slots())
+            let lux = vertex_irradiance(&indirect, &scale, id, side, lattice, &points[id], configuration.lamp_slots())?;
+            Some(side_light(&lux))
         };
         let irradiance: Indirect = (0..points.len()).map(|id| [side(id, 0), side(id, 1)]).collect();
         let (elements, sides) = (BTreeMap::new(), BTreeMap::new());

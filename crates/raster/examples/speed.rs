@@ -6,7 +6,7 @@
 //! 31 frames after 3 that are not counted.
 
 use glam::DVec3;
-use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, Times};
+use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, Times, side_light};
 use lightmend_scene::{Configuration, Edit, LatticePoints, Scene, View};
 use std::{error::Error, path::Path, time::Instant};
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     renderer.show(&still)?;
     let even = |object: &lightmend_scene::Object| {
         let points = LatticePoints::new(&object.mesh, &object.lattice).count() as usize;
-        [Some(vec![[50.0; 3]; points]), Some(vec![[50.0; 3]; points])]
+        [0, 1].map(|_| Some(side_light(&vec![[50.0; 3]; points])))
     };
     let indirect: Indirect = scene.objects.iter().map(|object| even(object)).collect();
     renderer.light(&indirect)?;

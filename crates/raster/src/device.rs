@@ -1,4 +1,4 @@
-//! The graphics device: a driver found without a window, what it is called, and what it can do.
+//! The graphics device: a driver found with or without a window, what it is called, and what it can do.
 //!
 //! One tier: what WebGPU guarantees, a depth buffer with stencil, and timestamps where there are any. Lavapipe, Mesa's software
 //! Vulkan, has all of it, so frames can be drawn where there is no graphics card.
@@ -22,6 +22,9 @@ pub enum RasterError {
         /// Its reason.
         why: String,
     },
+    /// A window that the driver cannot draw into.
+    #[error("the window cannot be drawn into: {0}")]
+    Window(String),
     /// The device went away while it drew.
     #[error("the graphics device was lost: {0}")]
     Lost(String),
@@ -73,17 +76,28 @@ pub struct Device {
     lost: Arc<Mutex<Option<String>>>,
 }
 
+/// What drivers are looked for with, and where: all of them, or those of `WGPU_BACKEND`. Windows need their display.
+pub(crate) fn instance(display: Option<Box<dyn wgpu::wgt::WgpuHasDisplayHandle>>) -> (wgpu::Instance, wgpu::Backends) {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::from_env().unwrap_or(descriptor.backends);
+    descriptor.display = display;
+    let backends = descriptor.backends;
+    (wgpu::Instance::new(descriptor), backends)
+}
+
 impl Device {
     /// A device that draws without a window. `WGPU_BACKEND` (`vulkan`, `gl`) and `WGPU_ADAPTER_NAME` choose among several.
     pub fn headless() -> Result<Device, RasterError> {
-        pollster::block_on(Device::find())
+        let (instance, backends) = instance(None);
+        pollster::block_on(Device::find(&instance, backends, None)).map(|(device, _)| device)
     }
 
-    async fn find() -> Result<Device, RasterError> {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = wgpu::Backends::from_env().unwrap_or(descriptor.backends);
-        let backends = descriptor.backends;
-        let instance = wgpu::Instance::new(descriptor);
+    /// The best device that can draw what we draw, and into `surface` if there is one.
+    pub(crate) async fn find(
+        instance: &wgpu::Instance,
+        backends: wgpu::Backends,
+        surface: Option<&wgpu::Surface<'_>>,
+    ) -> Result<(Device, wgpu::Adapter), RasterError> {
         let wanted = std::env::var("WGPU_ADAPTER_NAME").ok().map(|name| name.to_lowercase());
         let mut adapters = instance.enumerate_adapters(backends).await;
         adapters.retain(|a| wanted.as_ref().is_none_or(|name| a.get_info().name.to_lowercase().contains(name)));
@@ -96,6 +110,8 @@ impl Device {
                 Some("it has no 32-bit depth buffer with a stencil")
             } else if ![IDS, MASKS, LIGHT, MEASURED].into_iter().all(draws_into) {
                 Some("it cannot draw into textures of 32-bit numbers")
+            } else if surface.is_some_and(|surface| !adapter.is_surface_supported(surface)) {
+                Some("it cannot draw into this window")
             } else {
                 None
             }
@@ -112,7 +128,7 @@ impl Device {
             (fault(adapter).is_some(), kind, u8::from(info.backend != wgpu::Backend::Vulkan))
         };
         adapters.sort_by_key(rank);
-        let Some(adapter) = adapters.first() else {
+        let Some(adapter) = adapters.into_iter().next() else {
             let why = match wanted {
                 Some(name) => format!("none of the drivers is called '{name}', as WGPU_ADAPTER_NAME asks"),
                 None => format!("tried {backends:?}").to_lowercase(),
@@ -122,7 +138,7 @@ impl Device {
         let info = adapter.get_info();
         let name = format!("{}, {:?}", info.name, info.backend);
         let refused = |why: String| RasterError::Refused { driver: name.clone(), why };
-        if let Some(why) = fault(adapter) {
+        if let Some(why) = fault(&adapter) {
             return Err(refused(why.into()));
         }
         let (device, queue) = adapter
@@ -150,7 +166,7 @@ impl Device {
                 lost.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(line);
             }));
         }
-        Ok(Device { device, queue, name, lost })
+        Ok((Device { device, queue, name, lost }, adapter))
     }
 
     /// Whether the device still draws.
@@ -168,6 +184,12 @@ impl Device {
             return Err(RasterError::Lost(e.to_string()));
         }
         self.check()
+    }
+
+    /// Destroys the device, so that everything that uses it ends as [`RasterError::Lost`]: what a driver's crash or a card that is pulled
+    /// out does, for those who want to try how they recover.
+    pub fn lose(&self) {
+        self.device.destroy();
     }
 
     /// The largest side of a frame, pixels.

@@ -5,6 +5,7 @@ use crate::{
     bounds::Bounds,
     device::{Device, RasterError},
     frame::NONE,
+    irradiance::{Indirect, Irradiance},
     table::Table,
     textures::Textures,
     volume::Caster,
@@ -12,7 +13,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use lightmend_scene::{Configuration, Mesh, Motion, Object};
+use lightmend_scene::{Configuration, Material, Mesh, Motion, Object};
 use rayon::prelude::*;
 use std::{ops::Range, sync::Arc};
 use wgpu::TextureFormat;
@@ -121,10 +122,6 @@ impl Thing {
     }
 }
 
-/// Indirect light: per object by number and side (front, back), lux per linear Rec. 709 channel at the lattice points in order;
-/// nothing where no light ever came.
-pub type Indirect = Vec<[Option<Vec<[f32; 3]>>; 2]>;
-
 /// All that stands.
 pub struct Geometry {
     /// In order of their numbers.
@@ -146,8 +143,9 @@ pub struct Geometry {
     pub texture_entries: Table,
     /// Texels.
     pub texels: Table,
+    textures: Textures,
     /// Indirect light.
-    pub irradiance: Table,
+    pub irradiance: Irradiance,
     /// First lattice point of each side of each thing, where it is lit.
     lit: Vec<[u32; 2]>,
     /// Of the last thing that moved.
@@ -197,7 +195,8 @@ impl Geometry {
             uvs: Table::new(device, "texture coordinates", 0, TextureFormat::Rg32Float)?,
             texture_entries: Table::new(device, "textures", 0, TextureFormat::Rgba32Uint)?,
             texels: Table::new(device, "texels", 0, TextureFormat::R32Uint)?,
-            irradiance: Table::new(device, "indirect light", 0, TextureFormat::Rgba32Float)?,
+            textures: Textures::default(),
+            irradiance: Irradiance::new(device)?,
             lit: Vec::new(),
             version: 0,
             warnings: Vec::new(),
@@ -224,7 +223,7 @@ impl Geometry {
             repainted |= self.things[number].object.materials.iter().zip(&object.materials).any(painted);
             self.things[number].object = object.clone();
         }
-        if repainted { self.paint(device) } else { Ok(()) }
+        if repainted { self.paint(device, false) } else { Ok(()) }
     }
 
     /// The parts of each object's mesh; `size` is the diagonal of their boxes that suffices.
@@ -257,6 +256,12 @@ impl Geometry {
         let shapes = self.weld(present, configuration.reach() * PART);
         let (mut vertices, mut pairs, mut triangles, mut materials) = (0u32, 0u32, 0u32, 0u32);
         self.firsts = vec![0];
+        // What stays keeps its light until there is a new one.
+        let stays = |id: usize, object: &Object| {
+            let known = self.things.iter().position(|t| t.id == id && Arc::ptr_eq(&t.object.mesh, &object.mesh));
+            known.map_or([NONE; 2], |number| self.lit[number])
+        };
+        self.lit = present.iter().map(|(id, object)| stays(*id, object)).collect();
         self.things = present
             .iter()
             .zip(shapes)
@@ -296,33 +301,40 @@ impl Geometry {
         self.prepass = device.buffer("vertices", bytes(vertices, size_of::<PrepassVertex>()), VERTEX)?;
         self.volume = device.buffer("vertices of shadow volumes", bytes(2 * pairs, 16), VERTEX)?;
         self.triangles = Table::new(device, "triangles", 4 * u64::from(triangles), TextureFormat::Rgba32Uint)?;
-        self.lit = vec![[NONE; 2]; self.things.len()];
         let things = &self.things;
         let all: Vec<PrepassVertex> = things.iter().flat_map(Thing::prepass_vertices).collect();
         device.queue.write_buffer(&self.prepass, 0, bytemuck::cast_slice(&all));
         let all: Vec<[f32; 4]> = things.iter().flat_map(Thing::volume_vertices).collect();
         device.queue.write_buffer(&self.volume, 0, bytemuck::cast_slice(&all));
-        let all: Vec<GpuTriangle> = things.iter().flat_map(|thing| thing.triangles([NONE; 2])).collect();
+        let all: Vec<GpuTriangle> = things.iter().zip(&self.lit).flat_map(|(thing, lit)| thing.triangles(*lit)).collect();
         self.triangles.write(device, 0, bytemuck::cast_slice(&all));
-        self.paint(device)
+        self.paint(device, true)
     }
 
-    /// Writes all materials and textures.
-    fn paint(&mut self, device: &Device) -> Result<(), RasterError> {
-        let mut textures = Textures::default();
-        let mut materials: Vec<GpuMaterial> = Vec::new();
+    /// Writes all materials; textures only if there are others than before, their coordinates also if the triangles are others.
+    fn paint(&mut self, device: &Device, other_triangles: bool) -> Result<(), RasterError> {
+        let materials = self.things.iter().flat_map(|thing| thing.object.materials.iter());
+        let used = Textures::used(materials.clone().filter_map(|m| m.texture.as_ref()));
+        let other_textures = !self.textures.are(&used);
+        if other_textures {
+            let (textures, texels) = Textures::new(used, MOST_TEXELS);
+            if textures.halvings > 0 {
+                self.warnings.push("the textures have more than 2^26 texels together: the last ones are drawn coarser".into());
+            }
+            self.texture_entries = Table::filled(device, "textures", &textures.entries, TextureFormat::Rgba32Uint)?;
+            self.texels = Table::filled(device, "texels", &texels, TextureFormat::R32Uint)?;
+            self.textures = textures;
+        }
+        let gpu = |m: &Arc<Material>| GpuMaterial {
+            reflectance: m.reflectance.to_array(),
+            texture: m.texture.as_ref().map_or(NONE, |texture| self.textures.number(texture)),
+        };
+        let materials: Vec<GpuMaterial> = materials.map(gpu).collect();
+        self.materials = Table::filled(device, "materials", &materials, TextureFormat::Rgba32Uint)?;
         for thing in &mut self.things {
             thing.textured = thing.object.materials.iter().any(|m| m.texture.is_some());
-            materials.extend(thing.object.materials.iter().map(|m| GpuMaterial {
-                reflectance: m.reflectance.to_array(),
-                texture: textures.maybe(&m.texture, MOST_TEXELS),
-            }));
         }
-        if textures.halvings > 0 {
-            self.warnings.push("the textures have more than 2^26 texels together: the last ones are drawn coarser".into());
-        }
-        self.materials = Table::filled(device, "materials", &materials, TextureFormat::Rgba32Uint)?;
-        if !textures.entries.is_empty() {
+        if (other_textures || other_triangles) && !self.textures.entries.is_empty() {
             let corners = self.things.iter().flat_map(|thing| {
                 let mesh = &thing.object.mesh;
                 (0..mesh.triangles.len())
@@ -330,8 +342,6 @@ impl Geometry {
             });
             let corners: Vec<[f32; 2]> = corners.collect();
             self.uvs = Table::filled(device, "texture coordinates", &corners, TextureFormat::Rg32Float)?;
-            self.texture_entries = Table::filled(device, "textures", &textures.entries, TextureFormat::Rgba32Uint)?;
-            self.texels = Table::filled(device, "texels", &textures.texels, TextureFormat::R32Uint)?;
         }
         Ok(())
     }
@@ -358,33 +368,58 @@ impl Geometry {
         self.triangles.write(device, 4 * u64::from(thing.first_triangle), bytemuck::cast_slice(&triangles));
     }
 
-    /// From now on this indirect light is drawn. Sides that have none cost nothing.
+    /// From now on this indirect light is drawn. Sides that have none cost nothing, and those whose light did not change next to nothing.
     pub fn light(&mut self, device: &Device, indirect: &Indirect) -> Result<(), RasterError> {
-        let sides = |id: usize| indirect.get(id).map_or([None, None], |sides| sides.each_ref().map(Option::as_ref));
-        let mut all: Vec<[f32; 4]> = Vec::new();
+        self.irradiance.write(device, self.things.iter().map(|thing| thing.id), indirect)?;
         for number in 0..self.things.len() {
-            let places = sides(self.things[number].id).map(|points| {
-                points.map_or(NONE, |points| {
-                    let first = all.len() as u32;
-                    all.extend(points.iter().map(|[r, g, b]| [*r, *g, *b, 0.0]));
-                    first
-                })
-            });
+            let places = self.irradiance.places(self.things[number].id);
             if self.lit[number] != places {
                 self.lit[number] = places;
                 self.write_triangles(device, number);
             }
         }
-        if all.len() as u64 > self.irradiance.entries() {
-            self.irradiance = Table::new(device, "indirect light", all.len() as u64, TextureFormat::Rgba32Float)?;
-        }
-        self.irradiance.write(device, 0, bytemuck::cast_slice(&all));
         Ok(())
+    }
+
+    /// Numbers of an object's triangles among all, if it stands there.
+    pub fn triangles_of(&self, object: usize) -> Option<Range<u32>> {
+        let number = self.things.iter().position(|thing| thing.id == object)?;
+        Some(self.firsts[number]..self.firsts[number + 1])
     }
 
     /// The object and its triangle that number `triangle` among all is.
     pub fn source(&self, triangle: u32) -> (usize, usize) {
         let number = self.firsts.partition_point(|first| *first <= triangle) - 1;
         (self.things[number].id, (triangle - self.firsts[number]) as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lightmend_scene::{Edit, Scene};
+    use std::path::Path;
+
+    #[test]
+    fn textures_are_made_once() {
+        let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
+        let scene = Scene::read(&room).unwrap().0;
+        let before = Configuration::initial(&scene);
+        let device = Device::headless().unwrap();
+        let mut geometry = Geometry::new(&device).unwrap();
+        let mut shown = |configuration: &Configuration| {
+            geometry.show(&device, configuration).unwrap();
+            let views = [&geometry.texels, &geometry.texture_entries, &geometry.uvs, &geometry.materials];
+            views.map(|table| table.view.clone())
+        };
+        let first = shown(&before);
+        let material = scene.objects[0].materials[0].name.clone();
+        let to = DVec3::new(0.1, 0.2, 0.3);
+        let repainted = before.apply(&Edit::Reflect { material, to }).unwrap();
+        let second = shown(&repainted);
+        assert!(first[..3] == second[..3] && first[3] != second[3]);
+        // Other triangles have other coordinates.
+        let third = shown(&repainted.apply(&Edit::Remove { object: "wardrobe".into() }).unwrap());
+        assert!(first[..2] == third[..2] && first[2] != third[2]);
     }
 }

@@ -5,9 +5,11 @@
 //! 1. *Depth prepass* (`prepass.wgsl`): which triangle of which object each pixel sees ([`geometry`], [`camera`]).
 //! 2. *Shadow volumes* into the stencil, lamp by lamp ([`shadow`], [`volume`], [`welded`]), of what can fall into the picture ([`bounds`]).
 //! 3. What is lit goes into one channel of an RGBA *mask*, four lamps to a mask ([`targets`]).
-//! 4. *Composition* ([`composition`], `composition.wgsl`): indirect light, interpolated over the mesh elements, plus every lamp's
+//! 4. *Composition* ([`composition`], `composition.wgsl`): indirect light ([`irradiance`]), interpolated over the mesh elements, plus every lamp's
 //!    ([`frame`]) light by its goniometric diagram ([`goniometric`]) times its mask, times what the surface reflects ([`textures`]); looked up in [`table`]s.
 //! 5. *Exposure and tone curve*, or false colours ([`tone`]).
+//!
+//! The picture is read back, or shown in a window ([`screen`]) with outlines of what is chosen ([`present`]).
 //!
 //! ```no_run
 //! use lightmend_raster::{Device, Look, Parts, Renderer, Settings};
@@ -28,8 +30,11 @@ mod device;
 pub mod frame;
 pub mod geometry;
 pub mod goniometric;
+pub mod irradiance;
 mod pipelines;
+pub mod present;
 pub mod renderer;
+pub mod screen;
 pub mod shadow;
 pub mod table;
 pub mod targets;
@@ -41,7 +46,9 @@ pub mod welded;
 
 pub use composition::Parts;
 pub use device::{Device, RasterError};
-pub use geometry::Indirect;
+pub use irradiance::{Indirect, side_light};
+pub use present::Mark;
 pub use renderer::{Renderer, Settings};
+pub use screen::Screen;
 pub use timing::Times;
 pub use tone::{FALSE_COLOURS, Look};

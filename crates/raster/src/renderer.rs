@@ -5,8 +5,10 @@ use crate::{
     composition::{Parts, Variant},
     device::{Device, RasterError},
     frame::{Frame, Lamps},
-    geometry::{Geometry, Indirect, Thing},
+    geometry::{Geometry, Thing},
+    irradiance::Indirect,
     pipelines::{Pipelines, group},
+    present::{Mark, Presenter},
     shadow::{Draw, Draws, Volumes},
     targets::{Targets, read},
     timing::{Pass, Stopwatch, Times},
@@ -38,6 +40,7 @@ pub struct Renderer {
     geometry: Geometry,
     lamps: Lamps,
     volumes: Volumes,
+    presenter: Presenter,
     targets: Option<Targets>,
     frame: wgpu::Buffer,
     tone: wgpu::Buffer,
@@ -55,6 +58,7 @@ impl Renderer {
             geometry: Geometry::new(&device)?,
             lamps: Lamps::new(&device)?,
             volumes: Volumes::new(&device)?,
+            presenter: Presenter::new(&device)?,
             targets: None,
             frame: device.buffer("frame", size_of::<Frame>() as u64, uniform)?,
             tone: device.buffer("tone", size_of::<GpuTone>() as u64, uniform)?,
@@ -81,7 +85,7 @@ impl Renderer {
         self.device.check()
     }
 
-    /// From now on this is the indirect light.
+    /// From now on this is the indirect light. What is the same `Arc` as before costs nothing.
     pub fn light(&mut self, indirect: &Indirect) -> Result<(), RasterError> {
         self.geometry.light(&self.device, indirect)?;
         self.device.check()
@@ -165,7 +169,7 @@ impl Renderer {
                 BindingResource::TextureView(&ids),
                 BindingResource::TextureView(&masks),
                 BindingResource::TextureView(&self.geometry.triangles.view),
-                BindingResource::TextureView(&self.geometry.irradiance.view),
+                BindingResource::TextureView(&self.geometry.irradiance.table.view),
                 BindingResource::TextureView(&self.geometry.materials.view),
                 BindingResource::TextureView(&self.lamps.cube_maps.view),
                 BindingResource::TextureView(&self.geometry.uvs.view),
@@ -282,10 +286,38 @@ impl Renderer {
         self.device.check()
     }
 
+    /// Draws the last picture, scaled, into the part of `target` that `viewport` is (x, y, width, height; pixels), with outlines of marked
+    /// objects, 8 at most; the rest of `target`, whose format is `format`, becomes black. All of it, if nothing was drawn yet.
+    pub fn present(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        viewport: [u32; 4],
+        marks: &[Mark],
+    ) -> Result<(), RasterError> {
+        let clear = LoadOp::Clear(wgpu::Color::BLACK);
+        {
+            let mut pass = begin(encoder, "present", target, clear, None, self.stopwatch.render(Pass::Present));
+            if let Some(targets) = &self.targets {
+                let (device, geometry) = (&self.device, &self.geometry);
+                self.presenter.draw(device, &mut pass, target.texture(), format, viewport, targets, marks, geometry);
+            }
+        }
+        self.stopwatch.resolve_present(encoder);
+        self.device.check()
+    }
+
     /// How many shadow volumes were made anew for the last picture: those of objects and lamps that moved, and those that were seen for the
     /// first time.
     pub fn volumes_made(&self) -> usize {
         self.volumes.made
+    }
+
+    /// How many bytes of indirect light the last [`light`](Self::light) wrote to the device: those of sides whose light changed, or of all
+    /// sides if others are lit than before.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.geometry.irradiance.uploaded_bytes()
     }
 
     /// Waits until the picture is done, and says how long its passes took.
@@ -409,7 +441,7 @@ mod tests {
                 renderer.draw(&view, &settings(width)).unwrap();
                 renderer.finish().unwrap();
             }
-            renderer.device().device.destroy();
+            renderer.device().lose();
             let drawn = renderer.draw(&view, &settings(after));
             let finished = drawn.and_then(|()| renderer.finish().map(|_| ()));
             assert!(matches!(finished, Err(RasterError::Lost(_))), "{finished:?}");

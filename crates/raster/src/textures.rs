@@ -25,8 +25,6 @@ pub struct Textures {
     known: Vec<Arc<Texture>>,
     /// Where they lie.
     pub entries: Vec<GpuTexture>,
-    /// All texels.
-    pub texels: Vec<u32>,
     /// How often the finest level was left out, to fit.
     pub halvings: u32,
 }
@@ -60,32 +58,47 @@ fn halved(width: u32, height: u32, fine: &[Vec3]) -> (u32, u32, Vec<Vec3>) {
 }
 
 impl Textures {
-    /// The number of a texture, which is added if it is new; its finest level is left out while it would make `most` texels be exceeded.
-    pub fn number(&mut self, texture: &Arc<Texture>, most: usize) -> u32 {
-        if let Some(known) = self.known.iter().position(|t| Arc::ptr_eq(t, texture)) {
-            return known as u32;
+    /// The textures of materials, each once.
+    pub fn used<'a>(materials: impl Iterator<Item = &'a Arc<Texture>>) -> Vec<Arc<Texture>> {
+        let mut used: Vec<Arc<Texture>> = Vec::new();
+        for texture in materials {
+            if !used.iter().any(|t| Arc::ptr_eq(t, texture)) {
+                used.push(texture.clone());
+            }
         }
-        let [mut width, mut height] = texture.size();
-        let mut level: Vec<Vec3> = texture.linear().collect();
-        while self.texels.len() + level.len() * 4 / 3 + 32 > most && level.len() > 1 {
-            (width, height, level) = halved(width, height, &level);
-            self.halvings += 1;
-        }
-        let mut entry = GpuTexture { first: self.texels.len() as u32, width, height, levels: 1 };
-        self.texels.extend(level.iter().copied().map(pack));
-        while width.max(height) > 1 {
-            (width, height, level) = halved(width, height, &level);
-            self.texels.extend(level.iter().copied().map(pack));
-            entry.levels += 1;
-        }
-        self.known.push(texture.clone());
-        self.entries.push(entry);
-        self.entries.len() as u32 - 1
+        used
     }
 
-    /// The number of a texture that may be missing.
-    pub fn maybe(&mut self, texture: &Option<Arc<Texture>>, most: usize) -> u32 {
-        texture.as_ref().map_or(NONE, |texture| self.number(texture, most))
+    /// These textures, and all their texels; the finest levels of the last ones are left out while all would have more than `most`.
+    pub fn new(used: Vec<Arc<Texture>>, most: usize) -> (Textures, Vec<u32>) {
+        let (mut entries, mut texels, mut halvings) = (Vec::new(), Vec::new(), 0);
+        for texture in &used {
+            let [mut width, mut height] = texture.size();
+            let mut level: Vec<Vec3> = texture.linear().collect();
+            while texels.len() + level.len() * 4 / 3 + 32 > most && level.len() > 1 {
+                (width, height, level) = halved(width, height, &level);
+                halvings += 1;
+            }
+            let mut entry = GpuTexture { first: texels.len() as u32, width, height, levels: 1 };
+            texels.extend(level.iter().copied().map(pack));
+            while width.max(height) > 1 {
+                (width, height, level) = halved(width, height, &level);
+                texels.extend(level.iter().copied().map(pack));
+                entry.levels += 1;
+            }
+            entries.push(entry);
+        }
+        (Textures { known: used, entries, halvings }, texels)
+    }
+
+    /// Whether they are these, in this order.
+    pub fn are(&self, used: &[Arc<Texture>]) -> bool {
+        self.known.len() == used.len() && self.known.iter().zip(used).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// The number of one of them.
+    pub fn number(&self, texture: &Arc<Texture>) -> u32 {
+        self.known.iter().position(|t| Arc::ptr_eq(t, texture)).map_or(NONE, |number| number as u32)
     }
 }
 

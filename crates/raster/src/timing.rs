@@ -19,9 +19,11 @@ pub enum Pass {
     Exposure,
     /// Tone curve.
     Tone,
+    /// Into a window.
+    Present,
 }
 
-const PASSES: usize = 5;
+const PASSES: usize = 6;
 
 /// Milliseconds of the passes of one frame; 0 where a pass was not needed or the driver has no clock.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,6 +40,8 @@ pub struct Times {
     pub exposure: f64,
     /// See [`Pass`].
     pub tone: f64,
+    /// See [`Pass`].
+    pub present: f64,
 }
 
 /// Timestamps of the passes.
@@ -114,8 +118,16 @@ impl Stopwatch {
 
     /// Makes the frame's timestamps readable.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        let Some(clock) = &self.clock else { return };
-        for pass in (0..PASSES).filter(|pass| self.ran[*pass]) {
+        (0..PASSES).filter(|pass| self.ran[*pass]).for_each(|pass| self.resolve_pass(encoder, pass));
+    }
+
+    /// Makes those of presenting readable, which has commands of its own.
+    pub fn resolve_present(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.resolve_pass(encoder, Pass::Present as usize);
+    }
+
+    fn resolve_pass(&self, encoder: &mut wgpu::CommandEncoder, pass: usize) {
+        if let Some(clock) = &self.clock {
             let first = 2 * pass as u32;
             // Results of one pass at a time: those of a pass that did not run would never be there.
             encoder.resolve_query_set(&clock.queries, first..first + 2, &clock.resolved, 0);
@@ -140,6 +152,7 @@ impl Stopwatch {
         times.composition = took(Pass::Composition);
         times.exposure = took(Pass::Exposure);
         times.tone = took(Pass::Tone);
+        times.present = took(Pass::Present);
         Ok(times)
     }
 }

@@ -1,7 +1,7 @@
 //! Indirect light from the solver's buckets to the rasteriser's lattice points.
 
 use lightmend_photon::{bucket::Buckets, irradiance::Scale, vertex_irradiance::vertex_irradiance};
-use lightmend_raster::Indirect;
+use lightmend_raster::{Indirect, side_light};
 use lightmend_scene::{Configuration, LatticePoints, Mesh, luminance};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -24,7 +24,8 @@ impl IndirectLight {
                 [0, 1].map(|side| {
                     let (_, points) = points?;
                     let lattice = &configuration.object(id).lattice;
-                    vertex_irradiance(buckets, scale, id, side, lattice, points, configuration.lamp_slots())
+                    let lux = vertex_irradiance(buckets, scale, id, side, lattice, points, configuration.lamp_slots())?;
+                    Some(side_light(&lux))
                 })
             })
             .collect()
@@ -33,15 +34,16 @@ impl IndirectLight {
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.
     pub fn outstanding(&mut self, configuration: &Configuration, now: &Buckets, right: &Buckets, scale: &Scale) -> Indirect {
         let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale));
-        let illuminance = |rgb: &[f32; 3]| luminance(glam::DVec3::from_array(rgb.map(f64::from)));
-        let at = |light: &Option<Vec<[f32; 3]>>, point: usize| light.as_ref().map_or(0.0, |light| illuminance(&light[point]));
-        let side = |now: Option<Vec<[f32; 3]>>, right: Option<Vec<[f32; 3]>>| {
+        let illuminance = |[r, g, b, _]: &[f32; 4]| luminance(glam::DVec3::from_array([*r, *g, *b].map(f64::from)));
+        let at = |light: &Option<Arc<[[f32; 4]]>>, point: usize| light.as_ref().map_or(0.0, |light| illuminance(&light[point]));
+        let side = |now: Option<Arc<[[f32; 4]]>>, right: Option<Arc<[[f32; 4]]>>| {
             let points = now.as_ref().or(right.as_ref())?.len();
             let share = |point| {
                 let right = at(&right, point);
                 let off = (at(&now, point) - right).abs();
                 // What will be dark is wholly off as long as it is not.
-                [if off > 0.0 { off / right.max(off.min(1e-9)).max(f64::MIN_POSITIVE) } else { 0.0 } as f32; 3]
+                let share = if off > 0.0 { off / right.max(off.min(1e-9)).max(f64::MIN_POSITIVE) } else { 0.0 } as f32;
+                [share, share, share, 0.0]
             };
             Some((0..points).map(share).collect())
         };
