@@ -9,6 +9,7 @@ mod failure;
 mod figure;
 mod frames;
 mod import;
+mod indirect;
 mod output;
 mod picture;
 mod probe;

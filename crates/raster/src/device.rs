@@ -73,6 +73,8 @@ pub struct Device {
     pub queue: wgpu::Queue,
     /// Driver and backend, for people: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan".
     pub name: String,
+    /// Whether the processor draws, whose time others may need.
+    pub on_processor: bool,
     lost: Arc<Mutex<Option<String>>>,
 }
 
@@ -137,6 +139,7 @@ impl Device {
         };
         let info = adapter.get_info();
         let name = format!("{}, {:?}", info.name, info.backend);
+        let on_processor = info.device_type == wgpu::DeviceType::Cpu;
         let refused = |why: String| RasterError::Refused { driver: name.clone(), why };
         if let Some(why) = fault(&adapter) {
             return Err(refused(why.into()));
@@ -166,7 +169,7 @@ impl Device {
                 lost.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(line);
             }));
         }
-        Ok((Device { device, queue, name, lost }, adapter))
+        Ok((Device { device, queue, name, on_processor, lost }, adapter))
     }
 
     /// Whether the device still draws.

@@ -4,8 +4,8 @@
 //! that buckets and trees can be told by number.
 
 use crate::{
-    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials, scene::same,
-    unknown,
+    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials,
+    scene::same, unknown,
 };
 use std::{collections::BTreeSet, sync::Arc};
 

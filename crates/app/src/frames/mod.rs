@@ -7,7 +7,6 @@
 mod earlier;
 pub mod exr;
 mod film;
-mod light;
 mod painter;
 mod sheet;
 mod show;

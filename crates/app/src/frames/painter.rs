@@ -1,8 +1,9 @@
 //! Draws frames, writes what belongs to each, and keeps account of them.
 
-use super::{Arguments, exr, film, light::IndirectLight, sheet, show::Show};
+use super::{Arguments, exr, film, sheet, show::Show};
 use crate::{
     failure::Failure,
+    indirect::IndirectLight,
     output::{self, say},
     progress,
 };
@@ -130,9 +131,9 @@ impl<'a> Painter<'a> {
             Show::Stale => {
                 self.drain(solution);
                 let right = self.drained.as_ref().map_or(solution.buckets(), |drained| drained.buckets());
-                self.light.outstanding(configuration, solution.buckets(), right, &scale)
+                self.light.outstanding(configuration, solution.buckets(), right, &scale, configuration.lamp_slots())
             }
-            _ => self.light.read(configuration, solution.buckets(), &scale),
+            _ => self.light.read(configuration, solution.buckets(), &scale, configuration.lamp_slots()),
         };
         renderer.light(&indirect)?;
         renderer.draw(view, &self.settings)?;

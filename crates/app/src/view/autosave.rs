@@ -41,7 +41,9 @@ fn write(path: &Path, configuration: &Configuration) -> Result<(), String> {
     // It stands in the folder of the scene that was read or that it was saved to: its paths are made right for that.
     let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
     let mut file = configuration.to_file();
-    file.relocate(&folder(&configuration.scene().path), &folder(path)).and_then(|()| write_ron(path, &file)).map_err(|e| e.to_string())
+    file.relocate(&folder(&configuration.scene().path), &folder(path))
+        .and_then(|()| write_ron(path, &file))
+        .map_err(|e| e.to_string())
 }
 
 impl Autosave {

@@ -14,8 +14,8 @@ use crate::frames::{Range, Show};
 use egui::{Align2, Color32, FontId, Key, Pos2, Rect, Stroke, Ui, vec2};
 use glam::DVec3;
 use lightmend_raster::Times;
-use lightmend_scene::{Edit, Scene, SceneError};
-use std::{path::PathBuf, sync::Arc};
+use lightmend_scene::{Edit, SceneError};
+use std::path::PathBuf;
 
 /// What only the window can do.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,10 +104,7 @@ impl Desk {
         let ctx = ui.ctx().clone();
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
-            match file.path {
-                Some(path) => self.drop_file(path),
-                None => self.session.messages.fail("what was dropped is no file".into()),
-            }
+            self.drop_file(file.path().to_owned());
         }
         if self.dialog.is_none() {
             for command in commands::pressed(&ctx) {
@@ -271,8 +268,7 @@ impl Desk {
                 self.session.light.nudge();
             }
             Command::StartOver => {
-                self.session.solver.start_over();
-                self.session.light.nudge();
+                self.session.start_over();
             }
             Command::Help => self.dialog = Some(Dialog::Help),
         }
@@ -472,7 +468,13 @@ impl Desk {
             }
             if selected || hovered {
                 painter.circle_stroke(mark.at, 12.0, Stroke::new(2.0, SELECTED));
-                painter.text(mark.at + vec2(16.0, 0.0), Align2::LEFT_CENTER, &lamp.name, FontId::proportional(13.0), Color32::WHITE);
+                painter.text(
+                    mark.at + vec2(16.0, 0.0),
+                    Align2::LEFT_CENTER,
+                    &lamp.name,
+                    FontId::proportional(13.0),
+                    Color32::WHITE,
+                );
             }
         }
     }
@@ -520,11 +522,6 @@ impl Desk {
             None => "no light yet".to_owned(),
         };
         format!("{name}{changed} — {light} — Lightmend")
-    }
-
-    /// The scene that is on the desk.
-    pub fn scene(&self) -> &Arc<Scene> {
-        &self.session.scene
     }
 }
 

@@ -59,7 +59,8 @@ impl Chooser {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let listed = Ok(Vec::new());
-        let mut chooser = Chooser { purpose, title, extensions, folder, typed: name, listed, saves, fresh: true, overwrites: None };
+        let mut chooser =
+            Chooser { purpose, title, extensions, folder, typed: name, listed, saves, fresh: true, overwrites: None };
         chooser.list();
         Dialog::File(chooser)
     }
@@ -206,7 +207,13 @@ impl Dialog {
     /// For what was done.
     pub fn save_moves(session: &Session) -> Dialog {
         let stem = session.path.file_stem().unwrap_or_default().to_string_lossy();
-        Chooser::new(Purpose::SaveMoves, "Save what was done as moves", &["ron"], folder_of(&session.path), format!("{stem}-moves.ron"))
+        Chooser::new(
+            Purpose::SaveMoves,
+            "Save what was done as moves",
+            &["ron"],
+            folder_of(&session.path),
+            format!("{stem}-moves.ron"),
+        )
     }
 
     /// For a material.
@@ -218,7 +225,8 @@ impl Dialog {
     /// For a lamp.
     pub fn photometry(session: &Session, lamp: usize) -> Dialog {
         // Where the lamp's present file is, there are probably more.
-        let present = session.configuration.lamp(lamp).entry.photometry.as_deref().map(|file| folder_of(&session.scene.path).join(file));
+        let present =
+            session.configuration.lamp(lamp).entry.photometry.as_deref().map(|file| folder_of(&session.scene.path).join(file));
         let ies = folder_of(&session.path).join("ies");
         let folder = match &present {
             Some(file) => folder_of(file).to_owned(),
@@ -238,7 +246,7 @@ impl Dialog {
 pub fn show(desk: &mut Desk, ctx: &Context) {
     let Some(mut dialog) = desk.dialog.take() else { return };
     let mut closes = false;
-    let modal = Modal::new(Id::new("dialog")).show(ctx, |ui| {
+    let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
         ui.set_width(460.0);
         closes = match &mut dialog {
             Dialog::Help => help(ui),
@@ -311,8 +319,8 @@ fn help(ui: &mut Ui) -> bool {
     ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
         Grid::new("mouse").num_columns(2).striped(true).show(ui, |ui| {
             for (what, does) in MOUSE {
-                ui.strong(*what);
-                ui.label(*does);
+                ui.strong(what);
+                ui.label(does);
                 ui.end_row();
             }
             for menu in Menu::ALL {
@@ -384,4 +392,3 @@ pub fn unit_list(ui: &mut Ui, unit: &mut Unit) {
         ui.selectable_value(unit, choice, choice.name());
     }
 }
-

@@ -59,7 +59,10 @@ impl Unit {
 
     /// What something of that size is probably measured in: furniture is 5 cm to 3 m long.
     fn guess(longest: f64) -> Unit {
-        [Unit::Metre, Unit::Centimetre, Unit::Millimetre].into_iter().find(|u| longest * u.metres() <= 3.5).unwrap_or(Unit::Millimetre)
+        [Unit::Metre, Unit::Centimetre, Unit::Millimetre]
+            .into_iter()
+            .find(|u| longest * u.metres() <= 3.5)
+            .unwrap_or(Unit::Millimetre)
     }
 }
 
@@ -110,7 +113,9 @@ impl Model {
         });
         ui.horizontal(|ui| {
             ui.label("Its lengths are");
-            egui::ComboBox::from_id_salt("unit").selected_text(self.unit.name()).show_ui(ui, |ui| dialogs::unit_list(ui, &mut self.unit));
+            egui::ComboBox::from_id_salt("unit")
+                .selected_text(self.unit.name())
+                .show_ui(ui, |ui| dialogs::unit_list(ui, &mut self.unit));
             ui.label("and up is");
             ui.selectable_value(&mut self.up, Up::Y, "y");
             ui.selectable_value(&mut self.up, Up::Z, "z");
@@ -165,7 +170,8 @@ impl Model {
         let added = folder.join("added");
         std::fs::create_dir_all(&added).map_err(|e| SceneError::content(&added, format!("cannot be made: {e}")))?;
         let numbered = (2..).map(|n| added.join(format!("{file_name} {n}.obj")));
-        let path = std::iter::once(added.join(format!("{file_name}.obj"))).chain(numbered).find(|p| !p.exists()).unwrap_or_default();
+        let path =
+            std::iter::once(added.join(format!("{file_name}.obj"))).chain(numbered).find(|p| !p.exists()).unwrap_or_default();
         write_atomically(&path, |out| write_obj(out, &[(name.clone(), &mesh)]))?;
 
         edits.push(Edit::Add(ObjectEntry {
@@ -211,6 +217,9 @@ mod tests {
 
     #[test]
     fn units_are_guessed_from_the_size() {
-        assert_eq!([0.9, 2.1, 90.0, 210.0, 1800.0].map(Unit::guess), [Unit::Metre, Unit::Metre, Unit::Centimetre, Unit::Centimetre, Unit::Millimetre]);
+        assert_eq!(
+            [0.9, 2.1, 90.0, 210.0, 1800.0].map(Unit::guess),
+            [Unit::Metre, Unit::Metre, Unit::Centimetre, Unit::Centimetre, Unit::Millimetre]
+        );
     }
 }

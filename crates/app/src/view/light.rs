@@ -80,8 +80,16 @@ impl LightReader {
         view: View,
         wake: impl Fn() + Send + 'static,
     ) -> Result<LightReader, Failure> {
-        let wanted =
-            Wanted { configuration, edits: 0, edited: Instant::now(), action: 0, view, show: Show::Radiance, stop: false, version: 0 };
+        let wanted = Wanted {
+            configuration,
+            edits: 0,
+            edited: Instant::now(),
+            action: 0,
+            view,
+            show: Show::Radiance,
+            stop: false,
+            version: 0,
+        };
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new(), ready: Mutex::new(None) });
         let thread = {
             let shared = shared.clone();
@@ -174,7 +182,8 @@ impl<'a> Reader<'a> {
             let start = Instant::now();
             let mut rest = OFTEN;
             let snapshot = self.solver.snapshot();
-            let known = |s: &Arc<Snapshot>| last.as_ref().is_some_and(|(version, l)| *version == wanted.version && Arc::ptr_eq(l, s));
+            let known =
+                |s: &Arc<Snapshot>| last.as_ref().is_some_and(|(version, l)| *version == wanted.version && Arc::ptr_eq(l, s));
             if let Some(snapshot) = snapshot.filter(|s| !known(s)) {
                 let ready = self.read(&wanted, snapshot.clone());
                 *lock(&self.shared.ready) = Some(Arc::new(ready));
@@ -182,7 +191,8 @@ impl<'a> Reader<'a> {
                 last = Some((wanted.version, snapshot));
                 rest = rest.max(start.elapsed() * (BUSY - 1));
             }
-            let settled = last.as_ref().is_some_and(|(version, s)| *version == wanted.version && s.exact && s.edits >= wanted.edits);
+            let settled =
+                last.as_ref().is_some_and(|(version, s)| *version == wanted.version && s.exact && s.edits >= wanted.edits);
             let now = lock(&self.shared.wanted);
             if settled && now.version == wanted.version && !now.stop {
                 drop(self.shared.changed.wait(now));

@@ -91,7 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let wake = {
         let proxy = proxy.clone();
         // The loop may be over by then: nobody needs to be woken any more.
-        move || drop(proxy.send_event(Wake))
+        move || {
+            let _ = proxy.send_event(Wake);
+        }
     };
     let mut session = Session::start(scene, arguments.scene.clone(), start, wake)?;
     session.record = arguments.record.clone();

@@ -102,6 +102,5 @@ pub fn bounds(configuration: &Configuration, id: usize) -> [DVec3; 2] {
 
 /// Where its carrier is; the world's origin if nothing carries it.
 pub fn carrier_motion(configuration: &Configuration, carrier: Option<usize>) -> Motion {
-    carrier
-        .map_or(Motion { rotation: DMat3::IDENTITY, translation: DVec3::ZERO }, |carrier| configuration.object_motion(carrier))
+    carrier.map_or(Motion { rotation: DMat3::IDENTITY, translation: DVec3::ZERO }, |carrier| configuration.object_motion(carrier))
 }

@@ -329,7 +329,9 @@ mod tests {
     fn walls_stop_it_and_draw_it_flush() {
         let (configuration, world) = room();
         let (mut grip, point) = hold(&configuration, "table");
-        let free = |along: DVec3| meet(&world, Sight { from: point + DVec3::Z * 0.2, along }, |id| world.object(id).dynamic).unwrap().distance;
+        let free = |along: DVec3| {
+            meet(&world, Sight { from: point + DVec3::Z * 0.2, along }, |id| world.object(id).dynamic).unwrap().distance
+        };
         let (wall, half) = (free(DVec3::NEG_Y), (grip.high - grip.low).y / 2.0);
         for beyond in [wall - half - 0.04, wall - half + 0.1, wall + 0.5] {
             let at = grip.follow(&world, onto(point + DVec3::NEG_Y * beyond), Way::Snapping);
@@ -368,9 +370,18 @@ mod tests {
     #[test]
     fn angles_come_back() {
         let rotation = |d: DVec3| Pose { position: DVec3::ZERO, rotation: d }.motion().rotation;
-        for d in [DVec3::ZERO, DVec3::new(10.0, 20.0, 30.0), DVec3::new(-170.0, 60.0, 179.0), DVec3::new(0.0, 90.0, 40.0), DVec3::new(90.0, -90.0, 15.0)] {
+        for d in [
+            DVec3::ZERO,
+            DVec3::new(10.0, 20.0, 30.0),
+            DVec3::new(-170.0, 60.0, 179.0),
+            DVec3::new(0.0, 90.0, 40.0),
+            DVec3::new(90.0, -90.0, 15.0),
+        ] {
             let back = rotation(degrees(&rotation(d)));
-            assert!((back.x_axis - rotation(d).x_axis).length() < 1e-9 && (back.y_axis - rotation(d).y_axis).length() < 1e-9, "{d}");
+            assert!(
+                (back.x_axis - rotation(d).x_axis).length() < 1e-9 && (back.y_axis - rotation(d).y_axis).length() < 1e-9,
+                "{d}"
+            );
         }
         let level = Motion { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
         let mut turn = DVec3::ZERO;
@@ -394,11 +405,17 @@ mod tests {
         let rider = configuration.objects().find(|(_, o)| o.carrier == Some(table) && o.movable).unwrap().0;
         let off = ride(&configuration, rider, None).unwrap();
         let loose = configuration.apply(&off).unwrap();
-        let apart = |a: Motion, b: Motion| (a.translation - b.translation).length() + (a.rotation.x_axis - b.rotation.x_axis).length();
+        let apart =
+            |a: Motion, b: Motion| (a.translation - b.translation).length() + (a.rotation.x_axis - b.rotation.x_axis).length();
         assert!(apart(configuration.object_motion(rider), loose.object_motion(rider)) < 1e-9, "it stays where it is");
         let world = World::new(&loose, TreePreset::default());
         let edits = gather_riders(&world, table);
-        assert!(edits.iter().any(|e| matches!(e, Edit::Put { object, on: Some(on), .. } if *on == "table" && *object == loose.object(rider).name)), "{edits:?}");
+        assert!(
+            edits.iter().any(
+                |e| matches!(e, Edit::Put { object, on: Some(on), .. } if *on == "table" && *object == loose.object(rider).name)
+            ),
+            "{edits:?}"
+        );
         assert!(ride(&configuration, rider, Some(table)).is_none());
     }
 }

@@ -56,7 +56,15 @@ const REST: Duration = Duration::from_millis(60);
 
 impl Recovery {
     /// New light: of action number `action`, last edited at `edited`; `current` if it knows of that edit.
-    pub fn look(&mut self, action: u64, edited: Instant, current: bool, view: View, snapshot: &Arc<Snapshot>, scale: &Scale) -> Trace {
+    pub fn look(
+        &mut self,
+        action: u64,
+        edited: Instant,
+        current: bool,
+        view: View,
+        snapshot: &Arc<Snapshot>,
+        scale: &Scale,
+    ) -> Trace {
         if action != self.action {
             self.action = action;
             self.before = self.last.clone().or_else(|| Some(snapshot.clone()));
@@ -97,7 +105,8 @@ impl Recovery {
         let first = visible.difference(&visible.values(&before.buckets, scale), exact);
         // Less than this nobody sees, and dividing by it shows nothing but noise.
         if before.photons == before.pool_photons && first > 1e-6 {
-            self.trace.change = self.samples.iter().map(|(at, values)| [*at, visible.difference(values, exact) / first]).collect();
+            self.trace.change =
+                self.samples.iter().map(|(at, values)| [*at, visible.difference(values, exact) / first]).collect();
         }
         // Twenty-four megabytes of buckets in a house: no longer needed.
         self.before = None;

@@ -112,9 +112,7 @@ impl Stretch {
     fn json(&self) -> Value {
         let seconds = (self.ended - self.began).as_secs_f64();
         let rate = |n: usize| if seconds > 0.0 { Some((self.work[1][n] - self.work[0][n]) as f64 / seconds) } else { None };
-        let shares = |values: &[f64]| {
-            json!({ "median": quantile(values, 0.5), "percentile_99": quantile(values, 0.99), "longest": quantile(values, 1.0) })
-        };
+        let shares = |values: &[f64]| json!({ "median": quantile(values, 0.5), "percentile_99": quantile(values, 0.99), "longest": quantile(values, 1.0) });
         json!({
             "what": self.title, "seconds": seconds, "frames": self.intervals.len(),
             "frames_per_second": if seconds > 0.0 { Some(self.intervals.len() as f64 / seconds) } else { None },

@@ -8,7 +8,8 @@ use super::{
     light::LightReader,
     messages::Messages,
     navigation::Navigation,
-    placement, playback::Playback,
+    placement,
+    playback::Playback,
 };
 use crate::failure::Failure;
 use lightmend_photon::{
@@ -108,9 +109,15 @@ impl Session {
     /// Begins to rearrange `scene`; Save writes to `path`. `wake` is called from another thread when there is new light.
     pub fn start(scene: Arc<Scene>, path: PathBuf, start: Start, wake: impl Fn() + Send + 'static) -> Result<Session, Failure> {
         let configuration = Configuration::initial(&scene);
-        let settings =
-            Settings { pool: start.pool, first_hits: FirstHits::AsLampsSay, threads: start.threads, controls: start.controls, courteous: true };
-        let solver = Solver::start(configuration.clone(), settings).map_err(|e| Failure::failed(format!("threads cannot be started: {e}")))?;
+        let settings = Settings {
+            pool: start.pool,
+            first_hits: FirstHits::AsLampsSay,
+            threads: start.threads,
+            controls: start.controls,
+            courteous: true,
+        };
+        let solver = Solver::start(configuration.clone(), settings)
+            .map_err(|e| Failure::failed(format!("threads cannot be started: {e}")))?;
         let solver = Arc::new(solver);
         let view = scene.cameras.first().map_or_else(|| some_view(&configuration), |(_, view)| *view);
         let navigation = Navigation::new(view, scene.up, configuration.reach());
@@ -252,7 +259,9 @@ impl Session {
         }
         // A slider tells of every frame; what is recorded of it follows a few times a second, and its end to the bit.
         let now = self.now();
-        let same = |waiting: &Edit| std::mem::discriminant(waiting) == std::mem::discriminant(&edit) && waiting.subject() == edit.subject();
+        let same = |waiting: &Edit| {
+            std::mem::discriminant(waiting) == std::mem::discriminant(&edit) && waiting.subject() == edit.subject()
+        };
         self.waiting = match self.waiting.take() {
             Some((at, waiting, start)) if same(&waiting) && now - at < RECORDED_OFTEN => Some((at, edit.clone(), start)),
             other => {
@@ -387,6 +396,13 @@ impl Session {
         if let Some(error) = self.autosave.tick(&self.configuration, self.unsaved || self.configuration != self.saved) {
             self.messages.fail(error);
         }
+    }
+
+    /// Throws the light away, for the solver to shoot it anew.
+    pub fn start_over(&mut self) {
+        self.light.begins();
+        self.edits = self.solver.start_over();
+        self.light.edited(&self.configuration, self.edits);
     }
 
     /// Plays a script from now on.

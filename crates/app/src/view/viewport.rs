@@ -34,9 +34,15 @@ enum Doing {
     Look,
     Orbit(DVec3),
     Pan,
-    Object { grip: Grip, world: Arc<World> },
+    Object {
+        grip: Grip,
+        world: Arc<World>,
+    },
     /// A lamp, and where in the world the point is that the pointer holds it by.
-    Lamp { id: usize, held: DVec3 },
+    Lamp {
+        id: usize,
+        held: DVec3,
+    },
 }
 
 struct Gesture {
@@ -347,7 +353,8 @@ impl Viewport {
     /// Where the pointer is, for what is under it while no button is pressed.
     pub fn hover(&mut self, session: &mut Session, pointer: Option<Pos2>, free: &dyn Fn(Pos2) -> bool) {
         if self.gesture.is_none() && pointer != self.pointer {
-            self.hovered = pointer.filter(|at| self.rect.contains(*at) && free(*at)).and_then(|at| self.under(session, at)).map(|u| u.0);
+            self.hovered =
+                pointer.filter(|at| self.rect.contains(*at) && free(*at)).and_then(|at| self.under(session, at)).map(|u| u.0);
         }
         self.pointer = pointer;
     }

@@ -12,11 +12,7 @@ use super::{
     report::Report,
     session::{Selection, Session, Start},
 };
-use crate::{
-    failure::Failure,
-    frames,
-    output, progress,
-};
+use crate::{failure::Failure, frames, output, progress};
 use egui::{Color32, Context, ViewportId};
 use egui_winit::winit::{
     application::ApplicationHandler,
@@ -125,12 +121,11 @@ impl App {
             Some(window) => window.clone(),
             None => {
                 let [width, height] = self.size;
-                let attributes = Window::default_attributes()
-                    .with_title("Lightmend")
-                    .with_inner_size(LogicalSize::new(width, height));
-                let window = event_loop
-                    .create_window(attributes)
-                    .map_err(|e| Failure::failed(format!("no window can be opened: {e}; `lightmend frames` draws without one")))?;
+                let attributes =
+                    Window::default_attributes().with_title("Lightmend").with_inner_size(LogicalSize::new(width, height));
+                let window = event_loop.create_window(attributes).map_err(|e| {
+                    Failure::failed(format!("no window can be opened: {e}; `lightmend frames` draws without one"))
+                })?;
                 self.window.insert(Arc::new(window)).clone()
             }
         };
@@ -149,7 +144,7 @@ impl App {
         let mut renderer = Renderer::new(device.clone())?;
         renderer.show(&self.desk.session.configuration)?;
         self.desk.driver = device.name.clone();
-        self.governor = Governor::new(self.desk.fps, device.is_processor());
+        self.governor = Governor::new(self.desk.fps, device.on_processor);
         self.graphics = Some(Graphics { device, screen, renderer, panels, egui, context });
         (self.drawn, self.light, self.stirred) = (None, None, true);
         Ok(())
@@ -246,7 +241,8 @@ impl App {
         let rect = self.desk.viewport.rect;
         let pixel = |at: f32, most: u32| ((at * points).round().max(0.0) as u32).min(most);
         let [left, top] = [pixel(rect.left(), size[0]), pixel(rect.top(), size[1])];
-        let place = [left, top, pixel(rect.right(), size[0]).saturating_sub(left), pixel(rect.bottom(), size[1]).saturating_sub(top)];
+        let place =
+            [left, top, pixel(rect.right(), size[0]).saturating_sub(left), pixel(rect.bottom(), size[1]).saturating_sub(top)];
         let room = if place[2] > 0 && place[3] > 0 { Self::room(self, renderer, [place[2], place[3]])? } else { None };
 
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -410,7 +406,9 @@ impl App {
         let (read, warnings) = Scene::read(scene)?;
         let proxy = self.proxy.clone();
         // The loop may be over by then: nobody needs to be woken any more.
-        let wake = move || drop(proxy.send_event(Wake));
+        let wake = move || {
+            let _ = proxy.send_event(Wake);
+        };
         let mut session = Session::start(read, save_as.to_owned(), self.start, wake)?;
         warnings.iter().for_each(|warning| session.messages.warn(warning.to_string()));
         session.record = self.desk.session.record.clone();
@@ -434,7 +432,8 @@ impl App {
         }
         renderer.draw(&view, &settings)?;
         let pixels = renderer.picture()?.into_flattened();
-        let picture = image::RgbImage::from_raw(size[0], size[1], pixels).ok_or_else(|| Failure::failed("the picture has no pixels"))?;
+        let picture =
+            image::RgbImage::from_raw(size[0], size[1], pixels).ok_or_else(|| Failure::failed("the picture has no pixels"))?;
         output::png(path, &frames::with_legend(picture, self.desk.show, &settings)?)
     }
 
@@ -487,7 +486,9 @@ impl ApplicationHandler<Wake> for App {
                 self.desk.quit();
                 self.stirred = true;
             }
-            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } | WindowEvent::Occluded(false) => self.stirred = true,
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } | WindowEvent::Occluded(false) => {
+                self.stirred = true
+            }
             WindowEvent::CursorMoved { .. }
             | WindowEvent::MouseWheel { .. }
             | WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
@@ -499,7 +500,11 @@ impl ApplicationHandler<Wake> for App {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if progress::interrupted() {
-            let kept = self.desk.session.keep().map_or(String::new(), |path| format!("; what was not saved is kept in {}", path.display()));
+            let kept = self
+                .desk
+                .session
+                .keep()
+                .map_or(String::new(), |path| format!("; what was not saved is kept in {}", path.display()));
             return self.fail(event_loop, Failure::failed(format!("interrupted{kept}")));
         }
         let Some(window) = &self.window else { return };

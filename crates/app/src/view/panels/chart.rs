@@ -86,9 +86,17 @@ pub fn polar(ui: &mut Ui, photometry: &Photometry, size: Vec2) {
         });
         painter.line(points.collect::<Vec<Pos2>>(), Stroke::new(1.5, colour));
         let line = if c == 0.0 { 0.0 } else { 12.0 };
-        painter.text(rect.left_top() + vec2(4.0, 3.0 + line), Align2::LEFT_TOP, format!("C{c:.0}–C{:.0}", c + 180.0), font(), colour);
+        painter.text(
+            rect.left_top() + vec2(4.0, 3.0 + line),
+            Align2::LEFT_TOP,
+            format!("C{c:.0}–C{:.0}", c + 180.0),
+            font(),
+            colour,
+        );
     }
-    response.on_hover_text("Luminous intensity by direction, straight below at the bottom, in the lamp's own axes: C0 is +x, C90 is +y");
+    response.on_hover_text(
+        "Luminous intensity by direction, straight below at the bottom, in the lamp's own axes: C0 is +x, C90 is +y",
+    );
 }
 
 /// False colours, from least to most.
@@ -101,8 +109,13 @@ pub fn colours(ui: &mut Ui, size: Vec2) {
         let at = column as f32 / columns as f32 * last as f32;
         let n = (at as usize).min(last - 1);
         let [a, b] = [FALSE_COLOURS[n], FALSE_COLOURS[n + 1]];
-        let [red, green, blue] = [0, 1, 2].map(|c| (f32::from(a[c]) + (f32::from(b[c]) - f32::from(a[c])) * (at - n as f32)) as u8);
+        let [red, green, blue] =
+            [0, 1, 2].map(|c| (f32::from(a[c]) + (f32::from(b[c]) - f32::from(a[c])) * (at - n as f32)) as u8);
         let x = rect.left() + column as f32;
-        painter.rect_filled(Rect::from_min_max(pos2(x, rect.top()), pos2(x + 1.0, rect.bottom())), 0.0, Color32::from_rgb(red, green, blue));
+        painter.rect_filled(
+            Rect::from_min_max(pos2(x, rect.top()), pos2(x + 1.0, rect.bottom())),
+            0.0,
+            Color32::from_rgb(red, green, blue),
+        );
     }
 }

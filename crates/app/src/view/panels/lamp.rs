@@ -65,7 +65,9 @@ pub fn panel(desk: &mut Desk, ui: &mut Ui, id: usize) {
         if ui.button("Photometry…").on_hover_text("An LM-63 (IES) file. All photons may have to be shot anew").clicked() {
             desk.dialog = Some(Dialog::photometry(&desk.session, id));
         }
-        if lamp.photometry.is_some() && ui.small_button("None").on_hover_text("Alike in all directions, with the same flux").clicked() {
+        if lamp.photometry.is_some()
+            && ui.small_button("None").on_hover_text("Alike in all directions, with the same flux").clicked()
+        {
             relamp(&mut desk.session, id, None);
         }
     });
@@ -152,7 +154,9 @@ fn nearest_kelvin(colour: DVec3) -> f64 {
     let ratio = |c: DVec3| (c.x.max(1e-6) / c.z.max(1e-6)).ln();
     let wanted = ratio(colour);
     let steps = (0..=105).map(|n| 1500.0 + 100.0 * f64::from(n));
-    steps.min_by(|a, b| (ratio(black_body(*a)) - wanted).abs().total_cmp(&(ratio(black_body(*b)) - wanted).abs())).unwrap_or(6500.0)
+    steps
+        .min_by(|a, b| (ratio(black_body(*a)) - wanted).abs().total_cmp(&(ratio(black_body(*b)) - wanted).abs()))
+        .unwrap_or(6500.0)
 }
 
 #[cfg(test)]

@@ -65,7 +65,11 @@ pub fn state_line(desk: &mut Desk, ui: &mut Ui) {
                 if exact {
                     ui.label("Light: exact").on_hover_text("To the bit what a fresh solution of this scene gives");
                 } else if snapshot.photons < snapshot.pool_photons {
-                    ui.label(format!("Light: {} of {} photons shot", short(snapshot.photons as f64), short(snapshot.pool_photons as f64)));
+                    ui.label(format!(
+                        "Light: {} of {} photons shot",
+                        short(snapshot.photons as f64),
+                        short(snapshot.pool_photons as f64)
+                    ));
                 } else {
                     let percent = outstanding_percent(ready);
                     let paused = if desk.session.solver.controls().paused { ", paused" } else { "" };

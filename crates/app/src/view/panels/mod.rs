@@ -10,7 +10,7 @@ pub use lamp::{relamp, switch};
 pub use light::{Rates, outstanding_percent, state_line};
 
 use super::{desk::Desk, session::Selection};
-use egui::{Color32, CollapsingHeader, Ui};
+use egui::{CollapsingHeader, Color32, Ui};
 use glam::DVec3;
 
 /// All of it.
@@ -31,7 +31,8 @@ fn nothing(desk: &mut Desk, ui: &mut Ui) {
     ui.weak("Click an object or a lamp, or choose one:");
     let mut chosen = None;
     CollapsingHeader::new("Lamps").default_open(true).show(ui, |ui| {
-        let mut lamps: Vec<(usize, String)> = desk.session.configuration.lamps().map(|(id, lamp)| (id, lamp.name.clone())).collect();
+        let mut lamps: Vec<(usize, String)> =
+            desk.session.configuration.lamps().map(|(id, lamp)| (id, lamp.name.clone())).collect();
         lamps.sort_by(|a, b| a.1.cmp(&b.1));
         for (id, name) in lamps {
             if ui.selectable_label(false, name).clicked() {
@@ -41,7 +42,8 @@ fn nothing(desk: &mut Desk, ui: &mut Ui) {
     });
     CollapsingHeader::new("Objects").show(ui, |ui| {
         let objects = desk.session.configuration.objects();
-        let mut objects: Vec<(usize, String, bool)> = objects.map(|(id, object)| (id, object.name.clone(), object.movable)).collect();
+        let mut objects: Vec<(usize, String, bool)> =
+            objects.map(|(id, object)| (id, object.name.clone(), object.movable)).collect();
         objects.sort_by(|a, b| (!a.2, &a.1).cmp(&(!b.2, &b.1)));
         for (id, name, movable) in objects {
             let text = if movable { egui::RichText::new(name) } else { egui::RichText::new(name).weak() };

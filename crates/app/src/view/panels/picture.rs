@@ -53,9 +53,10 @@ fn scale(desk: &mut Desk, ui: &mut Ui) {
     super::chart::colours(ui, vec2(ui.available_width(), 14.0));
     ui.horizontal(|ui| {
         let before = range;
-        ui.add(DragValue::new(&mut range.low).speed(range.high / 500.0).range(0.0..=range.high * 0.99).max_decimals(2));
+        let pull = range.high / 300.0;
+        ui.add(DragValue::new(&mut range.low).speed(pull).range(0.0..=before.high * 0.99).max_decimals(2));
         ui.label("to");
-        ui.add(DragValue::new(&mut range.high).speed(range.high / 200.0).range(range.low.max(1e-3) * 1.01..=1e7).max_decimals(2));
+        ui.add(DragValue::new(&mut range.high).speed(pull).range(before.low.max(1e-3) * 1.01..=1e7).max_decimals(2));
         ui.label(if desk.show == Show::Stale { "of it" } else { "lux" });
         if range != before {
             desk.range = Some(range);

@@ -14,8 +14,8 @@ pub struct IndirectLight {
 }
 
 impl IndirectLight {
-    /// Irradiance at all lattice points of all sides that light has reached.
-    pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale) -> Indirect {
+    /// Irradiance at all lattice points of all sides that light of lamps numbered below `lamps` has reached.
+    pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale, lamps: usize) -> Indirect {
         self.learn(configuration);
         (0..configuration.object_slots())
             .into_par_iter()
@@ -24,7 +24,7 @@ impl IndirectLight {
                 [0, 1].map(|side| {
                     let (_, points) = points?;
                     let lattice = &configuration.object(id).lattice;
-                    let lux = vertex_irradiance(buckets, scale, id, side, lattice, points, configuration.lamp_slots())?;
+                    let lux = vertex_irradiance(buckets, scale, id, side, lattice, points, lamps)?;
                     Some(side_light(&lux))
                 })
             })
@@ -32,8 +32,15 @@ impl IndirectLight {
     }
 
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.
-    pub fn outstanding(&mut self, configuration: &Configuration, now: &Buckets, right: &Buckets, scale: &Scale) -> Indirect {
-        let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale));
+    pub fn outstanding(
+        &mut self,
+        configuration: &Configuration,
+        now: &Buckets,
+        right: &Buckets,
+        scale: &Scale,
+        lamps: usize,
+    ) -> Indirect {
+        let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale, lamps));
         let illuminance = |[r, g, b, _]: &[f32; 4]| luminance(glam::DVec3::from_array([*r, *g, *b].map(f64::from)));
         let at = |light: &Option<Arc<[[f32; 4]]>>, point: usize| light.as_ref().map_or(0.0, |light| illuminance(&light[point]));
         let side = |now: Option<Arc<[[f32; 4]]>>, right: Option<Arc<[[f32; 4]]>>| {
