@@ -361,6 +361,8 @@ fn a_paused_solver_counts_what_is_stale_and_reads_dimmed_lamps() {
     assert!(light.exact && solver.controls().paused && *light.configuration() == moved);
     let light = until(&solver, solver.edit(home), |_| true);
     assert_eq!(light.stale_groups, 288);
+    let dark = until(&solver, solver.start_over(), |_| true);
+    assert_eq!((dark.photons, dark.stale_groups, dark.outstanding_photons, dark.exact), (0, 0, 50_000, false));
 }
 
 #[test]

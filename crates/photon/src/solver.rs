@@ -201,8 +201,8 @@ impl Solver {
         })
     }
 
-    /// Throws the light away and shoots the pool anew at the wanted configuration. Returns at once; the number of this call (see
-    /// [`Snapshot::edits`]).
+    /// Throws the light away and shoots the pool anew at the wanted configuration; a paused solver stays dark until it goes on. Returns
+    /// at once; the number of this call (see [`Snapshot::edits`]).
     pub fn start_over(&self) -> u64 {
         self.shared.want(|wanted| {
             wanted.edits += 1;
@@ -231,7 +231,7 @@ impl Solver {
         lock(&self.shared.wanted).view
     }
 
-    /// The latest light; `None` until the first photons have landed. Taking it asks for the next one: after a while in which nobody
+    /// The latest light; `None` until the first photons have landed (a solver that starts paused is dark instead). Taking it asks for the next one: after a while in which nobody
     /// did, it is as old as that, unless the light has come to rest.
     pub fn snapshot(&self) -> Option<Arc<Snapshot>> {
         let mut published = lock(&self.shared.published);
