@@ -29,7 +29,7 @@ struct Step {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    (0u8..15, any::<prop::sample::Index>(), prop::array::uniform3(-0.4f64..0.4), 0usize..200)
+    (0u8..22, any::<prop::sample::Index>(), prop::array::uniform3(-0.4f64..0.4), 0usize..200)
         .prop_map(|(kind, at, by, groups)| Step { kind, at, by, groups })
 }
 
@@ -39,14 +39,24 @@ fn edit(configuration: &Configuration, step: &Step, number: usize) -> Edit {
     let object = || objects[step.at.index(objects.len())];
     let lamps: Vec<_> = configuration.lamps().map(|(_, lamp)| lamp).collect();
     let lamp = || lamps[step.at.index(lamps.len())];
-    let materials: Vec<_> = configuration.scene().materials.keys().collect();
+    let file = configuration.to_file();
+    let materials: Vec<_> = file.materials.keys().collect();
     let material = || materials[step.at.index(materials.len())].clone();
     let reflectance = (by + 0.45).clamp(DVec3::ZERO, DVec3::ONE);
     let name = format!("new {number}");
+    let used = |material: &str| configuration.objects().any(|(_, o)| o.materials.iter().any(|m| m.name == material));
+    let unused: Vec<_> = materials.iter().filter(|name| !used(name)).collect();
+    // What does not ride on the object itself can carry it.
+    let carries = |id: &usize| {
+        let below = std::iter::successors(Some(*id), |id| configuration.object(*id).carrier);
+        below.into_iter().all(|id| configuration.object(id).name != object().name)
+    };
+    let carriers: Vec<_> = configuration.objects().map(|(id, _)| id).filter(carries).collect();
+    let carrier = carriers.get(step.groups % carriers.len().max(1)).map(|id| &configuration.object(*id).name);
     match step.kind {
         0 | 1 => Edit::Move { object: object().name.clone(), to: object().pose.position + by },
         2 => Edit::Turn { object: object().name.clone(), to: object().pose.rotation + by * 100.0 },
-        3 => Edit::Paint { object: object().name.clone(), material: material() },
+        3 => Edit::Paint { object: object().name.clone(), material: Some(material()) },
         4 => Edit::Reflect { material: material(), to: reflectance },
         5 => Edit::Duplicate { object: object().name.clone(), name, to: object().pose.position + by },
         6 if objects.len() > 2 => Edit::Remove { object: object().name.clone() },
@@ -54,17 +64,26 @@ fn edit(configuration: &Configuration, step: &Step, number: usize) -> Edit {
         8 => Edit::TurnLamp { lamp: lamp().name.clone(), to: by * 200.0 },
         9 => Edit::Light { lamp: lamp().name.clone(), intensity: reflectance * 100.0 },
         10 => Edit::Switch { lamp: lamp().name.clone(), on: by.x > 0.0 },
-        11 => Edit::Relamp { lamp: lamp().name.clone(), photometry: photometric_file() },
+        11 => Edit::Relamp { lamp: lamp().name.clone(), photometry: Some(file_of_room("ies/washer.ies")), intensity: None },
         12 => Edit::DuplicateLamp { lamp: lamp().name.clone(), name, to: lamp().pose.position + by * 0.3 },
         13 if lamps.len() > 1 => Edit::RemoveLamp { lamp: lamp().name.clone() },
+        14 => Edit::Relamp { lamp: lamp().name.clone(), photometry: None, intensity: Some(reflectance * 100.0) },
+        15 => Edit::Paint { object: object().name.clone(), material: None },
+        16 => Edit::Texture { material: material(), texture: (by.x > 0.0).then(|| file_of_room("textures/rug.png")) },
+        17 => Edit::AddMaterial { name, reflectance, texture: (by.x > 0.0).then(|| file_of_room("textures/rug.png")) },
+        18 if !unused.is_empty() => Edit::RemoveMaterial { material: unused[step.at.index(unused.len())].to_string() },
+        19 => Edit::Put { object: object().name.clone(), on: None, to: object().pose.position + by, rotation: by * 100.0 },
+        20 if carrier.is_some() => {
+            Edit::Put { object: object().name.clone(), on: carrier.cloned(), to: by + DVec3::Z, rotation: by * 100.0 }
+        }
         _ => Edit::Add(
             ObjectEntry { position: DVec3::new(1.0, 1.0, 0.5) + by, movable: by.y > 0.0, ..object().entry.clone() }.named(name),
         ),
     }
 }
 
-fn photometric_file() -> String {
-    own_scene_path("room").with_file_name("ies/washer.ies").canonicalize().unwrap().to_string_lossy().into_owned()
+fn file_of_room(name: &str) -> String {
+    own_scene_path("room").with_file_name(name).canonicalize().unwrap().to_string_lossy().into_owned()
 }
 
 fn drain(solution: &mut Solution, groups: usize) {
@@ -169,6 +188,38 @@ fn a_lamp_rides_on_its_stand_and_leaves_with_it() {
         assert!(solution.equals(&fresh), "{edit:?}");
     }
     assert!(solution.world().configuration().lamps().all(|(_, lamp)| lamp.name != reading));
+}
+
+#[test]
+fn what_is_put_on_the_floor_and_back_takes_its_riders_along() {
+    let scene = own_scene("room");
+    let start = shoot(pool(30_000), &world(&scene), FirstHits::AsLampsSay);
+    let home = Configuration::initial(&scene);
+    let bowl = home.object(home.object_id("bowl").unwrap()).stated();
+    assert_eq!(bowl.on.as_deref(), Some("table"));
+    let put =
+        |on: Option<&str>, to: DVec3, rotation: DVec3| Edit::Put { object: "bowl".into(), on: on.map(Into::into), to, rotation };
+    let mut solution = start.clone();
+    for edit in [
+        put(None, DVec3::new(3.0, 2.0, 0.0), DVec3::Z * 30.0),
+        put(Some("nightstand"), DVec3::new(0.0, 0.0, 0.5), DVec3::ZERO),
+        // It rides: what carries it takes it, and the fruit in it, away.
+        Edit::Move { object: "nightstand".into(), to: DVec3::new(4.0, 3.0, 0.0) },
+        Edit::Move { object: "nightstand".into(), to: scene.objects[home.object_id("nightstand").unwrap()].pose.position },
+        put(bowl.on.as_deref(), bowl.position, bowl.rotation),
+    ] {
+        let before = solution.world().configuration().clone();
+        let configuration = before.apply(&edit).unwrap();
+        let fruit = configuration.object_id("fruit").unwrap();
+        assert_ne!(configuration.object_motion(fruit), before.object_motion(fruit), "{edit:?}");
+        let next = Arc::new(solution.world().moved_to(&configuration));
+        solution.change(next);
+        drain(&mut solution, usize::MAX);
+        let fresh = shoot(pool(30_000), &Arc::new(World::new(&configuration, TreePreset::Medium)), FirstHits::AsLampsSay);
+        assert!(solution.equals(&fresh), "{edit:?}");
+        assert!(dump(&solution) == dump_of(30_000, &reread_scene(&scene, &configuration)), "{edit:?}");
+    }
+    assert!(*solution.world().configuration() == home && solution.equals(&start));
 }
 
 /// An entry under another name, not riding on anything.

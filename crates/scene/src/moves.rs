@@ -133,6 +133,72 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_is_written_reads_as_the_same_in_any_folder() {
+        let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room").canonicalize().unwrap();
+        let (scene, _) = Scene::read(&room.join("room.ron")).unwrap();
+        let cup = scene.objects.iter().find(|o| o.name == "cup west").unwrap().stated();
+        let lamp = scene.lamps[0].stated();
+        let absolute = room.join("ies/washer.ies").to_string_lossy().into_owned();
+        let (felt, name) = (|| "felt".to_owned(), |name: &str| name.to_owned());
+        let edits = [
+            Edit::Add(crate::format::ObjectEntry { name: name("new cup"), ..cup }),
+            Edit::Put { object: name("new cup"), on: None, to: DVec3::new(0.1, 1e-17, -3.5), rotation: DVec3::ZERO },
+            Edit::AddMaterial { name: felt(), reflectance: DVec3::splat(1.0 / 3.0), texture: Some(name("textures/rug.png")) },
+            Edit::Paint { object: name("table"), material: Some(felt()) },
+            Edit::Texture { material: felt(), texture: None },
+            Edit::Texture { material: felt(), texture: Some(name("textures/rug.png")) },
+            Edit::Paint { object: name("table"), material: None },
+            Edit::RemoveMaterial { material: felt() },
+            Edit::AddLamp(crate::format::LampEntry { name: name("new"), rated: Some(DVec3::ONE), ..lamp }),
+            Edit::Relamp { lamp: name("new"), photometry: None, intensity: Some(DVec3::splat(400.0)) },
+            Edit::Relamp { lamp: name("new"), photometry: Some(name("ies/pendant.ies")), intensity: Some(DVec3::ONE) },
+            Edit::Relamp { lamp: name("new"), photometry: Some(absolute), intensity: None },
+        ];
+        let edits = edits.into_iter().enumerate().map(|(k, edit)| TimedEdit { at: k as f64 / 3.0, edit }).collect();
+        let key = CameraKey { at: 0.125, eye: DVec3::ZERO, target: DVec3::ONE, fov: 60.0 };
+        let moves = Moves { fps: 30.0, edits, cameras: vec![key] };
+        let elsewhere = tempfile::tempdir().unwrap();
+        // In the scene's own folder nothing is left.
+        let beside = tempfile::Builder::new().suffix(".ron").tempfile_in(&room).unwrap();
+        for path in [beside.path(), &elsewhere.path().join("moves.ron")] {
+            moves.write(path, &scene).unwrap();
+            assert_eq!(Moves::read(path, &scene).unwrap().0, moves);
+        }
+        let still = Moves { fps: 25.0, edits: vec![], cameras: vec![] };
+        still.write(beside.path(), &scene).unwrap();
+        assert_eq!(Moves::read(beside.path(), &scene).unwrap().0, still);
+    }
+
+    #[test]
+    fn what_may_be_left_out_may_be_left_out() {
+        let read = |text: &str| read_text(text).unwrap().edits.remove(0).edit;
+        let (object, lamp) = ("table".to_owned(), "pendant".to_owned());
+        assert_eq!(
+            read("(edits: [(at: 0.0, edit: Paint(object: \"table\", material: \"oak\"))])"),
+            Edit::Paint { object: object.clone(), material: Some("oak".into()) }
+        );
+        assert_eq!(
+            read("(edits: [(at: 0.0, edit: Paint(object: \"table\"))])"),
+            Edit::Paint { object: object.clone(), material: None }
+        );
+        assert_eq!(
+            read("(edits: [(at: 0.0, edit: Relamp(lamp: \"pendant\", photometry: \"a.ies\"))])"),
+            Edit::Relamp { lamp, photometry: Some("a.ies".into()), intensity: None }
+        );
+        assert_eq!(
+            read("(edits: [(at: 0.0, edit: Put(object: \"table\", on: None, to: (1.0, 0.0, 0.0), rotation: (0.0, 0.0, 0.0)))])"),
+            Edit::Put { object, on: None, to: DVec3::X, rotation: DVec3::ZERO }
+        );
+    }
+
+    fn read_text(text: &str) -> Result<MovesFile, SceneError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("moves.ron");
+        std::fs::write(&path, text).unwrap();
+        read_ron(&path)
+    }
+
+    #[test]
     fn cameras_go_from_key_to_key() {
         let key = |at: f64, x: f64| CameraKey { at, eye: DVec3::X * x, target: DVec3::new(x, 1.0, 0.0), fov: 40.0 + x };
         let moves = Moves { fps: 25.0, edits: vec![], cameras: vec![key(1.0, 0.0), key(3.0, 4.0), key(3.0, 8.0)] };

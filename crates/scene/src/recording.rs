@@ -201,3 +201,175 @@ fn simplified<T>(samples: &[(Milliseconds, T)], error: impl Fn([&T; 2], f64, &T)
     kept.sort_unstable();
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use proptest::{
+        prelude::*,
+        test_runner::{RngAlgorithm, TestRng, TestRunner},
+    };
+    use std::sync::Arc;
+
+    fn room() -> Arc<Scene> {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
+        Scene::read(&path).unwrap().0
+    }
+
+    /// A session: what is there, and the recording of how it came to be so.
+    struct Session {
+        configuration: Configuration,
+        recording: Recording,
+    }
+
+    impl Session {
+        fn new(scene: &Arc<Scene>) -> Session {
+            Session { configuration: Configuration::initial(scene), recording: Recording::new(25.0) }
+        }
+
+        fn drag(&mut self, at: f64, object: &str, to: DVec3) {
+            self.recording.drag(at, object, to, &self.configuration);
+            self.configuration = self.configuration.apply(&Edit::Move { object: object.into(), to }).unwrap();
+        }
+
+        fn edit(&mut self, at: f64, edit: Edit) {
+            self.recording.edit(at, &edit, &self.configuration);
+            self.configuration = self.configuration.apply(&edit).unwrap();
+        }
+
+        /// The script, written and read, leads where the session led, at once and step by step.
+        fn checked(&self) -> Moves {
+            let (moves, scene) = (self.recording.moves(), self.configuration.scene());
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("moves.ron");
+            moves.write(&path, scene).unwrap();
+            assert_eq!(Moves::read(&path, scene).unwrap().0, moves);
+            let start = Configuration::initial(scene);
+            let all = moves.edits.iter().fold(start.clone(), |at, timed| at.apply(&timed.edit).unwrap());
+            assert!(all == self.configuration);
+            let steps = moves.timeline(&start).unwrap();
+            assert!(steps.iter().fold(start, |at, (_, edit)| at.apply(edit).unwrap()) == self.configuration);
+            moves
+        }
+    }
+
+    #[test]
+    fn a_straight_drag_is_one_edit_and_a_corner_makes_two() {
+        let mut session = Session::new(&room());
+        let from = session.configuration.object(session.configuration.object_id("table").unwrap()).pose.position;
+        for k in 1..=25 {
+            session.drag(1.0 + f64::from(k) / 25.0, "table", from + DVec3::X * (0.02 * f64::from(k)));
+        }
+        let moves = session.checked();
+        let [TimedEdit { at, edit: Edit::Drag { step, seconds, .. } }] = &moves.edits[..] else { panic!("{moves:?}") };
+        assert!(*at == 1.0 && *seconds == 1.0 && (*step - 0.02).abs() < 1e-12, "{moves:?}");
+        for k in 1..=50 {
+            session.drag(2.0 + f64::from(k) / 50.0, "table", from + DVec3::new(0.5, 0.01 * f64::from(k), 0.0));
+        }
+        assert_eq!(session.checked().edits.len(), 2);
+        // A pause, and on.
+        session.drag(7.0, "table", from + DVec3::new(0.5, 0.51, 0.0));
+        session.drag(7.5, "table", from + DVec3::new(0.5, 1.0, 0.0));
+        let moves = session.checked();
+        assert!(moves.edits.len() <= 4 && moves.edits[2].at > 6.9, "{moves:?}");
+    }
+
+    #[test]
+    fn a_curved_drag_takes_few_edits_and_stays_near() {
+        let mut session = Session::new(&room());
+        let from = session.configuration.object(session.configuration.object_id("table").unwrap()).pose.position;
+        let way = |at: f64| from + DVec3::new((at * at / 4.0).sin(), 1.0 - (at * at / 4.0).cos(), 0.0);
+        let times: Vec<f64> = (1..=200).map(|k| f64::from(k) / 40.0).collect();
+        times.iter().for_each(|at| session.drag(*at, "table", way(*at)));
+        let moves = session.checked();
+        assert!((10..60).contains(&moves.edits.len()), "{}", moves.edits.len());
+        let mut start = from;
+        for TimedEdit { at, edit } in &moves.edits {
+            let Edit::Drag { to, step, seconds, .. } = edit else { panic!("{edit:?}") };
+            let steps = (start.distance(*to) / step).ceil();
+            assert!((steps - seconds * 25.0).abs() < 1.5 || *step == SHORTEST_STEP, "a step a frame: {edit:?}");
+            for time in times.iter().filter(|time| (*at..=at + seconds).contains(*time)) {
+                let off = start.lerp(*to, (time - at) / seconds).distance(way(*time));
+                assert!(off < 1.01 * TOLERANCE, "{off} at {time}");
+            }
+            start = *to;
+        }
+    }
+
+    #[test]
+    fn what_changes_nothing_is_left_out() {
+        let mut session = Session::new(&room());
+        session.edit(0.0, Edit::Switch { lamp: "pendant".into(), on: true });
+        assert_eq!(session.checked().edits, []);
+        session.edit(0.0, Edit::Switch { lamp: "pendant".into(), on: false });
+        assert_eq!(session.checked().edits.len(), 1);
+    }
+
+    #[test]
+    fn random_sessions_are_made_again_to_the_bit() {
+        let scene = room();
+        let config = ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        let step = (0u8..8, any::<bool>(), prop::array::uniform3(-0.03f64..0.03), 0.0f64..0.06);
+        runner
+            .run(&prop::collection::vec(step, 1..150), |steps| {
+                let (mut session, mut at) = (Session::new(&scene), 0.0);
+                let (mut object, mut velocity) = ("cup west", DVec3::ZERO);
+                for (kind, other, by, after) in steps {
+                    let by = DVec3::from_array(by);
+                    at += after;
+                    let id = session.configuration.object_id(object).unwrap();
+                    let pose = session.configuration.object(id).pose;
+                    match kind {
+                        0 if other => object = if object == "table" { "cup west" } else { "table" },
+                        1 if other => session.edit(at, Edit::Turn { object: object.into(), to: pose.rotation + by * 100.0 }),
+                        2 if other => at += 3.0,
+                        3 if other => session.edit(at, Edit::Switch { lamp: "washer".into(), on: by.x > 0.0 }),
+                        4 if other => velocity = by,
+                        5 if other => {
+                            let on = (by.x > 0.0).then(|| "sofa".to_owned());
+                            session.edit(at, Edit::Put { object: "cup west".into(), on, to: by, rotation: by });
+                        }
+                        _ => {
+                            velocity += by * 0.05;
+                            session.drag(at, object, pose.position + velocity);
+                        }
+                    }
+                }
+                session.checked();
+                Ok(())
+            })
+            .unwrap();
+    }
+
+    #[test]
+    fn a_walk_takes_few_keys_and_stays_near() {
+        let mut recording = Recording::new(25.0);
+        let view = |at: f64| {
+            // Along a wall, a pause of five seconds, around a corner while zooming; with a hand that is not quite steady.
+            let shake = 0.001 * DVec3::new((at * 50.0).sin(), (at * 31.0).cos(), 0.0);
+            let way = at.min(4.0) + (at - 9.0).max(0.0);
+            let turn = (way - 4.0).max(0.0) * 0.5;
+            let eye = DVec3::new(way.min(4.0) + turn.sin(), turn.cos(), 1.6);
+            let shake = if (4.0..9.0).contains(&at) { DVec3::ZERO } else { shake };
+            View { eye: eye + shake, target: eye + 3.0 * DVec3::new(turn.cos(), -turn.sin(), 0.0), fov: 60.0 + 5.0 * turn }
+        };
+        let times: Vec<f64> = (0..1800).map(|k| 0.5 + f64::from(k) / 125.0).collect();
+        times.iter().for_each(|at| recording.camera(*at, view(*at)));
+        recording.camera(20.0, View { eye: DVec3::ONE, target: DVec3::ONE, fov: 60.0 });
+        let moves = recording.moves();
+        assert_eq!(moves.cameras[0].at, 0.5);
+        assert!(moves.cameras.len() < 40, "{}", moves.cameras.len());
+        for at in &times {
+            let seen = moves.camera(*at).unwrap();
+            let error = view_error([&seen, &seen], 0.0, &view(*at));
+            // Half a millisecond at 1 m/s is a tenth of the tolerance.
+            assert!(error < 1.25, "{error} at {at}");
+        }
+        let mut still = Recording::new(25.0);
+        (0..5000).for_each(|k| still.camera(f64::from(k) / 60.0, view(4.5)));
+        assert_eq!(still.moves().cameras.len(), 2);
+        assert!(still.views.len() == 2, "a pause takes no memory");
+    }
+}

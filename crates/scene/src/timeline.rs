@@ -34,3 +34,53 @@ impl Moves {
         Ok(steps)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Configuration, Edit, Moves, Scene, TimedEdit};
+    use glam::DVec3;
+
+    fn room() -> Configuration {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
+        Configuration::initial(&Scene::read(&path).unwrap().0)
+    }
+
+    fn drag(object: &str, x: f64) -> Edit {
+        Edit::Drag { object: object.into(), to: DVec3::X * x, step: 0.1, seconds: 1.0 }
+    }
+
+    /// The steps of a script, which lead where its edits lead.
+    fn steps(edits: Vec<(f64, Edit)>) -> Vec<(f64, Edit)> {
+        let start = room();
+        let moves =
+            Moves { fps: 25.0, edits: edits.into_iter().map(|(at, edit)| TimedEdit { at, edit }).collect(), cameras: vec![] };
+        let steps = moves.timeline(&start).unwrap();
+        assert!(steps.is_sorted_by_key(|(at, _)| *at));
+        let end = steps.iter().fold(start.clone(), |at, (_, edit)| at.apply(edit).unwrap());
+        assert!(end == moves.edits.iter().fold(start, |at, timed| at.apply(&timed.edit).unwrap()));
+        steps
+    }
+
+    #[test]
+    fn a_drag_goes_step_by_step_until_something_else_takes_its_object() {
+        let turn = Edit::Turn { object: "pouf".into(), to: DVec3::Z };
+        let whole = steps(vec![(1.0, drag("pouf", 1.0)), (1.5, turn)]);
+        assert!(whole.len() > 30 && whole.last().unwrap().0 == 2.0, "turning it does not end a drag");
+        for end in [
+            Edit::Move { object: "pouf".into(), to: DVec3::Y },
+            Edit::Put { object: "pouf".into(), on: Some("table".into()), to: DVec3::Z, rotation: DVec3::ZERO },
+            Edit::Remove { object: "pouf".into() },
+        ] {
+            let steps = steps(vec![(1.0, drag("pouf", 1.0)), (1.5, end.clone())]);
+            assert!(steps.len() < whole.len() && *steps.last().unwrap() == (1.5, end));
+        }
+    }
+
+    #[test]
+    fn two_drags_run_at_a_time() {
+        let steps = steps(vec![(0.0, drag("pouf", 1.0)), (0.5, drag("sofa", 1.0)), (0.75, drag("pouf", 2.0))]);
+        let is_of = |edit: &Edit, name: &str| matches!(edit, Edit::Move { object, .. } if object == name);
+        let end = |name: &str| steps.iter().rfind(|(_, edit)| is_of(edit, name)).map(|(at, _)| *at);
+        assert_eq!([end("sofa"), end("pouf")], [Some(1.5), Some(1.75)]);
+    }
+}

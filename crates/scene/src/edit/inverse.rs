@@ -1,6 +1,6 @@
 //! How an edit is undone: by edits.
 
-use crate::{Configuration, Edit, Material, SceneError};
+use crate::{Configuration, Edit, Material, SceneError, format::ObjectEntry};
 
 impl Edit {
     /// Edits that lead back to `before` when they follow this one in order: to an equal configuration, which is written to the same
@@ -14,7 +14,7 @@ impl Edit {
             }
             Edit::Turn { object: name, .. } => Edit::Turn { object: name.clone(), to: object(name)?.pose.rotation },
             Edit::Put { object: name, .. } => {
-                let crate::format::ObjectEntry { on, position, rotation, .. } = object(name)?.stated();
+                let ObjectEntry { on, position, rotation, .. } = object(name)?.stated();
                 Edit::Put { object: name.clone(), on, to: position, rotation }
             }
             Edit::Paint { object: name, .. } => {

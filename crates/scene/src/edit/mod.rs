@@ -5,6 +5,7 @@ mod apply;
 mod inverse;
 #[cfg(test)]
 mod inverse_tests;
+mod state;
 
 use crate::{
     Configuration, SceneError,
