@@ -21,6 +21,8 @@ mod playback;
 mod recovery;
 mod report;
 mod session;
+#[cfg(test)]
+mod tests;
 mod viewport;
 mod window;
 

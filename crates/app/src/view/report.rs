@@ -92,7 +92,9 @@ impl Report {
     /// As JSON.
     pub fn json(&self, desk: &Desk) -> Value {
         let ready = desk.session.light.ready();
+        let room = desk.viewport.rect;
         json!({
+            "room_in_window": [room.left(), room.top(), room.width(), room.height()],
             "scene": desk.session.scene.name, "driver": desk.driver, "frames_per_second_wanted": desk.fps,
             "seconds": self.began.elapsed().as_secs_f64(), "frames": self.frames, "edits": desk.session.edits(),
             "photons": ready.as_ref().map(|ready| ready.snapshot.pool_photons), "spread": ready.as_ref().map(|ready| ready.spread),

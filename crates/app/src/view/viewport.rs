@@ -122,7 +122,7 @@ impl Viewport {
     }
 
     /// What is under a point of the window, and where.
-    fn under(&self, session: &mut Session, at: Pos2) -> Option<(Selection, DVec3)> {
+    pub fn under(&self, session: &mut Session, at: Pos2) -> Option<(Selection, DVec3)> {
         let marks = self.marks(session);
         let near = marks.iter().filter(|mark| mark.near && mark.at.distance(at) < MARK);
         if let Some(mark) = near.min_by(|a, b| a.at.distance(at).total_cmp(&b.at.distance(at))) {
