@@ -162,14 +162,15 @@ struct Reader<'a> {
     pool: Pool,
     light: IndirectLight,
     recovery: Recovery,
-    spread: f64,
+    /// When it was estimated last.
+    spread: (Option<Instant>, f64),
     /// For what is still wrong: a pool shot at the newest scene.
     exact: Option<Solution>,
 }
 
 impl<'a> Reader<'a> {
     fn new(shared: &'a Shared, solver: &'a Solver, pool: Pool) -> Reader<'a> {
-        Reader { shared, solver, pool, light: IndirectLight::default(), recovery: Recovery::default(), spread: 0.0, exact: None }
+        Reader { shared, solver, pool, light: IndirectLight::default(), recovery: Recovery::default(), spread: (None, 0.0), exact: None }
     }
 
     fn run(&mut self, wake: &dyn Fn()) {
@@ -225,12 +226,13 @@ impl<'a> Reader<'a> {
             },
             _ => self.light.read(configuration, &snapshot.buckets, &scale, lamps),
         };
-        if snapshot.exact || self.spread == 0.0 {
-            self.spread = spread(world, &snapshot.buckets, &scale);
+        // It changes slowly, and all buckets are read for it.
+        if self.spread.0.is_none_or(|at| at.elapsed() > Duration::from_millis(700) || snapshot.exact) {
+            self.spread = (Some(Instant::now()), spread(world, &snapshot.buckets, &scale));
         }
         let current = snapshot.edits >= wanted.edits;
         let trace = self.recovery.look(wanted.action, wanted.edited, current, wanted.view, &snapshot, &scale);
-        Ready { snapshot, indirect, spread: self.spread, trace }
+        Ready { snapshot, indirect, spread: self.spread.1, trace }
     }
 
     /// A pool shot at the newest scene once nothing moves: what the repair comes to in the end.

@@ -278,20 +278,24 @@ impl Session {
     /// Moves a held object to a place in the world, metres.
     pub fn drag(&mut self, object: usize, at: glam::DVec3) {
         let title = format!("Move {}", self.configuration.object(object).name);
-        let edit = placement::move_to(&self.configuration, object, at);
-        let Edit::Move { object: name, to } = &edit else { return };
-        let next = match self.configuration.apply(&edit) {
-            Ok(next) if next == self.configuration => return,
+        self.slide(&title, placement::move_to(&self.configuration, object, at));
+    }
+
+    /// One of a row of moves of an object.
+    fn slide(&mut self, title: &str, edit: Edit) {
+        let Edit::Move { object, to } = &edit else { return };
+        let before = self.configuration.clone();
+        let next = match before.apply(&edit) {
+            Ok(next) if next == before => return,
             Ok(next) => next,
             Err(error) => return self.messages.fail(error.to_string()),
         };
         if !self.history.is_open() {
             self.light.begins();
         }
-        let before = self.configuration.clone();
         self.flush();
-        self.recording.drag(self.now(), name, *to, &before);
-        let done = self.history.goes_on(&title, &before, edit.clone());
+        self.recording.drag(self.now(), object, *to, &before);
+        let done = self.history.goes_on(title, &before, edit);
         self.take(next);
         self.told(done);
     }
@@ -362,16 +366,7 @@ impl Session {
             let (steps, view) = playback.due();
             for edit in steps {
                 match &edit {
-                    Edit::Move { object, .. } => {
-                        let motion = self.configuration.apply(&edit).map(|next| {
-                            let id = next.object_id(object).unwrap_or_default();
-                            (id, next.object_motion(id).translation)
-                        });
-                        match motion {
-                            Ok((id, at)) => self.drag(id, at),
-                            Err(error) => self.messages.fail(error.to_string()),
-                        }
-                    }
+                    Edit::Move { .. } => self.slide(&playback.title, edit),
                     _ => {
                         self.go_on(&playback.title, edit);
                     }

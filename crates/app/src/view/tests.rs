@@ -317,7 +317,7 @@ fn everything_can_be_undone_and_is_recorded() {
     let before = trial.state();
     let table = trial.seen("table");
     trial.click(table);
-    let wheel = |y: f32| Event::MouseWheel { unit: egui::MouseWheelUnit::Line, delta: vec2(0.0, y), phase: egui::TouchPhase::Move, modifiers: Modifiers::NONE };
+    let wheel = |y: f32| Event::MouseWheel { unit: egui::MouseWheelUnit::Line, delta: vec2(0.0, y), phase: egui::TouchPhase::Move, source: egui::MouseWheelSource::Wheel, modifiers: Modifiers::NONE };
     trial.point(table + vec2(1.0, 0.0));
     trial.frame([wheel(1.0)]);
     let turned = trial.desk.session.configuration.object(trial.id("table")).pose.rotation - before.object(trial.id("table")).pose.rotation;
@@ -350,7 +350,7 @@ fn everything_can_be_undone_and_is_recorded() {
         any.then(|| trial.desk.session.undo())
     });
     let count = actions.count();
-    assert!(trial.state() == before && count == 12, "{count} actions lead back");
+    assert!(trial.state() == before && count == 13, "{count} actions lead back");
     while trial.desk.session.history.last_undone().is_some() {
         trial.desk.session.redo();
     }
