@@ -381,10 +381,10 @@ impl Geometry {
         Ok(())
     }
 
-    /// Numbers of an object's triangles among all, if it stands there.
-    pub fn triangles_of(&self, object: usize) -> Option<Range<u32>> {
+    /// An object, if it stands there, and the numbers of its triangles among all.
+    pub fn thing(&self, object: usize) -> Option<(&Thing, Range<u32>)> {
         let number = self.things.iter().position(|thing| thing.id == object)?;
-        Some(self.firsts[number]..self.firsts[number + 1])
+        Some((&self.things[number], self.firsts[number]..self.firsts[number + 1]))
     }
 
     /// The object and its triangle that number `triangle` among all is.

@@ -1,9 +1,11 @@
 //! The last picture, scaled into a part of a window, with outlines around what is marked. Twin of `present.wgsl`.
 //!
 //! Outlines come from the triangle numbers that every pixel has: an object's are one range, and where some of a pixel's neighbours are in
-//! it and some are not, there is an edge. So they cost no pass of their own, and are drawn only where the object is seen.
+//! it and some are not, there is an edge. So they are drawn only where the object is seen, and only the part of the picture that its box
+//! covers pays for them.
 
 use crate::{
+    camera::Camera,
     device::{Device, RasterError},
     geometry::Geometry,
     pipelines::{Recipe, UNIFORM, group, layout, texture},
@@ -82,7 +84,7 @@ impl Presenter {
         })
     }
 
-    /// Draws the picture of `targets` into the part of the pass's target that `viewport` is (x, y, width, height; pixels).
+    /// Draws the picture of `targets`, which `camera` saw, into the part of the pass's target that `viewport` is (x, y, width, height; pixels).
     pub fn draw(
         &mut self,
         device: &Device,
@@ -90,7 +92,7 @@ impl Presenter {
         target: &wgpu::Texture,
         format: wgpu::TextureFormat,
         [left, top, width, height]: [u32; 4],
-        targets: &Targets,
+        (targets, camera): (&Targets, &Camera),
         marks: &[Mark],
         geometry: &Geometry,
     ) {
@@ -100,22 +102,25 @@ impl Presenter {
         if across == 0 || down == 0 {
             return;
         }
-        let known = marks.iter().filter_map(|mark| {
-            let triangles = geometry.triangles_of(mark.object)?;
+        let seen = marks.iter().filter_map(|mark| {
+            let (thing, triangles) = geometry.thing(mark.object)?;
             let (first, end) = (triangles.start + 1, triangles.end + 1);
-            Some(GpuMark { colour: mark.colour, first, end, unused: [0; 2] })
+            Some((GpuMark { colour: mark.colour, first, end, unused: [0; 2] }, thing.bounds.in_picture(camera)?))
         });
         let mut marks = [GpuMark::zeroed(); MOST_MARKS];
-        let count = known.zip(&mut marks).map(|(mark, place)| *place = mark).count();
+        let mut parts = Vec::new();
+        for ((mark, part), place) in seen.zip(&mut marks) {
+            *place = mark;
+            parts.push(part);
+        }
         let uniform = GpuPresent {
             corner: [left as f32, top as f32],
             step: [1.0 / width as f32, 1.0 / height as f32],
             marks,
-            count: count as u32,
+            count: parts.len() as u32,
             unused: [0; 3],
         };
         device.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let pipeline = self.pipeline(device, (format, count > 0));
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let resources = [
             self.uniform.as_entire_binding(),
@@ -123,10 +128,24 @@ impl Presenter {
             BindingResource::Sampler(&self.samplers[usize::from(targets.size != [width, height])]),
             BindingResource::TextureView(&view(&targets.ids)),
         ];
-        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group(device, &self.layout, &resources), &[]);
+        pass.set_pipeline(&self.pipeline(device, (format, false)));
         pass.set_scissor_rect(left, top, across, down);
         pass.draw(0..3, 0..1);
+        if !parts.is_empty() {
+            pass.set_pipeline(&self.pipeline(device, (format, true)));
+        }
+        // Each part is drawn with all marks: where they overlap, the same twice. Lines lie up to a pixel outside, of this or of the picture.
+        let [x, y] = [width.div_ceil(targets.size[0]) + 1, height.div_ceil(targets.size[1]) + 1];
+        for part in parts {
+            let [l, t, w, h] = part.pixels(width, height);
+            let (right, bottom) = ((l + w + x).min(across), (t + h + y).min(down));
+            let (l, t) = (l.saturating_sub(x), t.saturating_sub(y));
+            if l < right && t < bottom {
+                pass.set_scissor_rect(left + l, top + t, right - l, bottom - t);
+                pass.draw(0..3, 0..1);
+            }
+        }
     }
 
     fn pipeline(&mut self, device: &Device, variant: Variant) -> RenderPipeline {
@@ -300,8 +319,9 @@ mod tests {
             for (y, x) in (0..i64::from(size[1])).flat_map(|y| (0..i64::from(size[0])).map(move |x| (y, x))) {
                 let mut wanted = plain.at(x as u32 + 6, y as u32 + 4).map(f64::from);
                 for (n, mark) in marks.iter().enumerate() {
-                    let about = (0..9).filter(|k| object(x + k % 3 - 1, y + k / 3 - 1) == Some(mark.object)).count();
-                    if (1..9).contains(&about) {
+                    let corners = [(x - 1, y - 1), (x + 1, y - 1), (x - 1, y + 1), (x + 1, y + 1)];
+                    let about = corners.iter().filter(|(x, y)| object(*x, *y) == Some(mark.object)).count();
+                    if (1..4).contains(&about) {
                         count[n] += 1;
                         let alpha = f64::from(mark.colour[3]);
                         wanted = [0, 1, 2].map(|k| wanted[k] * (1.0 - alpha) + 255.0 * f64::from(mark.colour[k]) * alpha);

@@ -1,6 +1,6 @@
 // The picture in a window, and outlines of what is marked. Twin of `present.rs`.
 
-// Whether anything is marked: without, triangle numbers are not looked at.
+// Whether outlines are drawn: without, triangle numbers are not looked at.
 override MARKED: bool = false;
 // Whether the target takes linear light, and makes sRGB of it by itself.
 override LINEAR: bool = false;
@@ -32,10 +32,10 @@ fn cover(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return vec4f(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-// The triangle number seen at a place, both 0 to 1; past the edge the one on the edge.
-fn seen(at: vec2f) -> u32 {
-    let size = textureDimensions(ids);
-    return textureLoad(ids, vec2u(clamp(at * vec2f(size), vec2f(0.0), vec2f(size - 1u))), 0).r;
+// The sample at a place, both from the upper left; past the edge the one on the edge.
+fn sample(at: vec2f) -> vec2u {
+    let size = vec2f(textureDimensions(ids));
+    return vec2u(clamp(at * size, vec2f(0.0), size - 1.0));
 }
 
 // 1 where a number is the mark's.
@@ -43,25 +43,19 @@ fn within(mark: Mark, id: u32) -> u32 {
     return select(0u, 1u, id >= mark.first && id < mark.end);
 }
 
-// An edge of a marked object runs between this pixel and one of its eight neighbours: a line two pixels wide.
+// Where an edge of a marked object runs between the four pixels that touch this one's corners: a line two pixels wide.
 fn outlined(colour: vec3f, at: vec2f) -> vec3f {
-    let x = vec2f(present.step.x, 0.0);
-    let y = vec2f(0.0, present.step.y);
-    let a = seen(at - x - y);
-    let b = seen(at - y);
-    let c = seen(at + x - y);
-    let d = seen(at - x);
-    let e = seen(at);
-    let f = seen(at + x);
-    let g = seen(at - x + y);
-    let h = seen(at + y);
-    let i = seen(at + x + y);
+    let low = sample(at - present.step);
+    let high = sample(at + present.step);
+    let a = textureLoad(ids, low, 0).r;
+    let b = textureLoad(ids, vec2u(high.x, low.y), 0).r;
+    let c = textureLoad(ids, vec2u(low.x, high.y), 0).r;
+    let d = textureLoad(ids, high, 0).r;
     var result = colour;
     for (var n = 0u; n < present.count; n++) {
         let mark = present.marks[n];
-        let count = within(mark, a) + within(mark, b) + within(mark, c) + within(mark, d) + within(mark, e)
-            + within(mark, f) + within(mark, g) + within(mark, h) + within(mark, i);
-        result = mix(result, mark.colour.rgb, select(0.0, mark.colour.a, count > 0u && count < 9u));
+        let count = within(mark, a) + within(mark, b) + within(mark, c) + within(mark, d);
+        result = mix(result, mark.colour.rgb, select(0.0, mark.colour.a, count > 0u && count < 4u));
     }
     return result;
 }

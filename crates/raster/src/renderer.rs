@@ -42,6 +42,8 @@ pub struct Renderer {
     volumes: Volumes,
     presenter: Presenter,
     targets: Option<Targets>,
+    /// What saw the last picture.
+    camera: Option<Camera>,
     frame: wgpu::Buffer,
     tone: wgpu::Buffer,
     stopwatch: Stopwatch,
@@ -60,6 +62,7 @@ impl Renderer {
             volumes: Volumes::new(&device)?,
             presenter: Presenter::new(&device)?,
             targets: None,
+            camera: None,
             frame: device.buffer("frame", size_of::<Frame>() as u64, uniform)?,
             tone: device.buffer("tone", size_of::<GpuTone>() as u64, uniform)?,
             stopwatch: Stopwatch::new(&device),
@@ -128,6 +131,7 @@ impl Renderer {
             self.targets = Some(Targets::new(&self.device, size, settings.grid, lamps)?);
         }
         let camera = self.camera(view, settings);
+        self.camera = Some(camera);
         let Some(targets) = &self.targets else { return Ok(()) };
         let samples = targets.samples();
         let frame = Frame::new(&camera, samples, lamps as u32, settings.parts.bits());
@@ -288,6 +292,7 @@ impl Renderer {
 
     /// Draws the last picture, scaled, into the part of `target` that `viewport` is (x, y, width, height; pixels), with outlines of marked
     /// objects, 8 at most; the rest of `target`, whose format is `format`, becomes black. All of it, if nothing was drawn yet.
+    /// Marks are of what was shown when the picture was drawn.
     pub fn present(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -299,9 +304,9 @@ impl Renderer {
         let clear = LoadOp::Clear(wgpu::Color::BLACK);
         {
             let mut pass = begin(encoder, "present", target, clear, None, self.stopwatch.render(Pass::Present));
-            if let Some(targets) = &self.targets {
+            if let (Some(targets), Some(camera)) = (&self.targets, &self.camera) {
                 let (device, geometry) = (&self.device, &self.geometry);
-                self.presenter.draw(device, &mut pass, target.texture(), format, viewport, targets, marks, geometry);
+                self.presenter.draw(device, &mut pass, target.texture(), format, viewport, (targets, camera), marks, geometry);
             }
         }
         self.stopwatch.resolve_present(encoder);
