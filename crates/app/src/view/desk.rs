@@ -416,7 +416,12 @@ impl Desk {
             });
             self.plain_keys(&ctx);
         }
-        if self.session.history.is_open() && !self.viewport.is_busy() && !ctx.input(|i| i.pointer.any_down()) && !nudging(&ctx) {
+        if self.session.history.is_open()
+            && self.session.playback.is_none()
+            && !self.viewport.is_busy()
+            && !ctx.input(|i| i.pointer.any_down())
+            && !nudging(&ctx)
+        {
             // A slider was let go, or a row of turns is over.
             self.session.end();
         }

@@ -37,14 +37,22 @@ pub struct Governor {
     /// Frames per second that are wanted.
     pub fps: f64,
     share: f64,
-    /// What would suit a moving picture, before it is rounded to eighths.
-    fineness: f64,
+    /// Eighths for a moving picture.
+    eighths: u32,
+    /// Frames in a row that would have had the time for one more.
+    easy: u32,
     moved: Option<Instant>,
     /// What the picture that is shown was drawn with.
     drawn: Quality,
     /// How long the last frame in the window's own pixels took, seconds.
     rested: f64,
 }
+
+/// Eighths of the window's pixels that a moving picture has at least.
+const LEAST: u32 = 2;
+
+/// After so many frames in a row that leave time for more pixels, they get more.
+const EASY: u32 = 4;
 
 const FINEST: Quality = Quality { eighths: 8, grid: 1 };
 const SMOOTH: Quality = Quality { eighths: 8, grid: 2 };
@@ -53,7 +61,7 @@ impl Governor {
     /// Wants `fps` frames a second; whether a processor draws them.
     pub fn new(fps: f64, on_processor: bool) -> Governor {
         let share = if on_processor { SHARE_OF_PROCESSOR } else { SHARE_OF_CARD };
-        Governor { fps, share, fineness: 5.0, moved: None, drawn: FINEST, rested: 0.0 }
+        Governor { fps, share, eighths: 5, easy: 0, moved: None, drawn: FINEST, rested: 0.0 }
     }
 
     /// Time from one frame to the next.
@@ -74,7 +82,7 @@ impl Governor {
     /// How finely the next frame is to be drawn; `lit` if the light is still coming in, so that it will be drawn again.
     pub fn quality(&self, lit: bool) -> Quality {
         if self.is_moving() {
-            Quality { eighths: (self.fineness.floor() as u32).clamp(2, 8), grid: 1 }
+            Quality { eighths: self.eighths, grid: 1 }
         } else if lit || self.drawn.eighths < 8 {
             FINEST
         } else {
@@ -99,10 +107,17 @@ impl Governor {
         if quality == FINEST {
             self.rested = took;
         }
-        if self.is_moving() && quality.grid == 1 {
-            // Part of a frame does not depend on its pixels: half a step towards what suits, in pixels, is never too far.
-            let suits = f64::from(quality.eighths) * (self.share / self.fps / took.max(1e-4)).sqrt();
-            self.fineness = (self.fineness + 0.5 * (suits - f64::from(quality.eighths)).clamp(-3.0, 0.5)).clamp(2.0, 8.9);
+        if !self.is_moving() || quality.grid > 1 {
+            return;
+        }
+        let budget = self.share / self.fps;
+        // As if all of a frame depended on its pixels: down by enough, up with care, and no to and fro.
+        let suits = |eighths: u32| took * f64::from(eighths * eighths) / f64::from(quality.eighths * quality.eighths) <= budget;
+        self.easy = if suits(quality.eighths + 1) { self.easy + 1 } else { 0 };
+        if !suits(quality.eighths) {
+            self.eighths = (LEAST..quality.eighths).rev().find(|eighths| suits(*eighths)).unwrap_or(LEAST);
+        } else if self.easy >= EASY {
+            (self.eighths, self.easy) = ((quality.eighths + 1).min(8), 0);
         }
     }
 }
@@ -130,7 +145,7 @@ mod tests {
     fn frames_fit_the_time_that_there_is() {
         for (fps, fixed, full) in [(20.0, 5.0, 60.0), (10.0, 20.0, 150.0), (25.0, 2.0, 10.0), (30.0, 8.0, 100.0)] {
             let (took, eighths) = settled(fps, fixed, full);
-            assert!(took <= 1.05 * 600.0 / fps, "{fps}: {took} ms at {eighths}/8");
+            assert!(took <= 600.0 / fps, "{fps}: {took} ms at {eighths}/8");
             assert!(eighths == 8 || took > 200.0 / fps, "{fps}: {took} ms at {eighths}/8 is too coarse");
         }
         assert_eq!(settled(60.0, 50.0, 100.0).1, 2, "what cannot be is drawn as coarsely as may be");

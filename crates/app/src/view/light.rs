@@ -170,7 +170,15 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(shared: &'a Shared, solver: &'a Solver, pool: Pool) -> Reader<'a> {
-        Reader { shared, solver, pool, light: IndirectLight::default(), recovery: Recovery::default(), spread: (None, 0.0), exact: None }
+        Reader {
+            shared,
+            solver,
+            pool,
+            light: IndirectLight::default(),
+            recovery: Recovery::default(),
+            spread: (None, 0.0),
+            exact: None,
+        }
     }
 
     fn run(&mut self, wake: &dyn Fn()) {

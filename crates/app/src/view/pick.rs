@@ -75,22 +75,6 @@ pub fn meant(configuration: &Configuration, object: usize) -> usize {
     object
 }
 
-/// Object `id` and all that rides on it, by number.
-pub fn moving_with(configuration: &Configuration, id: usize) -> Vec<bool> {
-    let mut moving = vec![false; configuration.object_slots()];
-    moving[id] = true;
-    // Riders of riders follow, one layer a round.
-    loop {
-        let next = configuration
-            .objects()
-            .find(|(rider, object)| !moving[*rider] && object.carrier.is_some_and(|carrier| moving[carrier]));
-        match next {
-            Some((rider, _)) => moving[rider] = true,
-            None => return moving,
-        }
-    }
-}
-
 /// The box about an object, in the world, metres.
 pub fn bounds(configuration: &Configuration, id: usize) -> [DVec3; 2] {
     let motion = configuration.object_motion(id);

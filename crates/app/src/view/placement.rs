@@ -6,7 +6,7 @@
 
 use super::{
     navigation::axes,
-    pick::{self, Sight, bounds, meet, moving_with},
+    pick::{self, Sight, bounds, meet},
 };
 use glam::{DMat3, DVec3};
 use lightmend_photon::world::World;
@@ -39,8 +39,8 @@ pub enum Way {
 pub struct Grip {
     /// Its number.
     pub object: usize,
-    /// It and what rides on it, by number.
-    moving: Vec<bool>,
+    /// All but it and what rides on it.
+    others: World,
     up: [DVec3; 3],
     /// From the point held to the object's origin.
     held: DVec3,
@@ -52,12 +52,16 @@ pub struct Grip {
 }
 
 impl Grip {
-    /// Holds `object` at a point of it; metres.
-    pub fn new(configuration: &Configuration, object: usize, point: DVec3) -> Grip {
+    /// Holds `object`, which can be moved, at a point of it; metres.
+    pub fn new(world: &World, object: usize, point: DVec3) -> Grip {
+        let configuration = world.configuration();
         let at = configuration.object_motion(object).translation;
         let [low, high] = bounds(configuration, object);
         let up = axes(configuration.scene().up);
-        Grip { object, moving: moving_with(configuration, object), up, held: at - point, low: low - at, high: high - at, at }
+        // Rays that pass by it would miss what it stands on: that lies in the plane of its underside.
+        let without = configuration.apply(&Edit::Remove { object: configuration.object(object).name.clone() });
+        let others = without.map_or_else(|_| world.clone(), |without| world.moved_to(&without));
+        Grip { object, others, up, held: at - point, low: low - at, high: high - at, at }
     }
 
     /// The object was turned while it is held.
@@ -88,7 +92,7 @@ impl Grip {
     }
 
     /// Where the origin goes, in the world, metres.
-    pub fn follow(&mut self, world: &World, sight: Sight, way: Way) -> DVec3 {
+    pub fn follow(&mut self, sight: Sight, way: Way) -> DVec3 {
         let up = self.up[2];
         let wanted = match way {
             Way::Height => {
@@ -97,13 +101,13 @@ impl Grip {
                 point.map(|point| self.at + up * self.height(point + self.held - self.at))
             }
             Way::Free => self.level(sight, 0.0),
-            Way::Snapping => self.snapping(world, sight),
+            Way::Snapping => self.snapping(sight),
         };
-        let reach = f64::from(world.reach().metres);
+        let reach = f64::from(self.others.reach().metres);
         if let Some(wanted) = wanted.filter(|p| p.is_finite() && p.abs().max_element() < 10.0 * reach + 10.0) {
             self.at = match way {
                 // Just above something it is meant to stand on it.
-                Way::Height => match self.support(world, wanted) {
+                Way::Height => match self.support(wanted) {
                     Some(level) if (self.base(wanted) - level).abs() < NEAR => self.resting(wanted, level),
                     _ => wanted,
                 },
@@ -123,29 +127,28 @@ impl Grip {
         Some(self.at - up * down + (step - up * step.dot(up)))
     }
 
-    fn snapping(&self, world: &World, sight: Sight) -> Option<DVec3> {
-        let mine = |id: usize| self.moving.get(id).copied().unwrap_or(false);
-        let hidden = |id: usize| mine(id) || world.object(id).hidden_from_camera;
+    fn snapping(&self, sight: Sight) -> Option<DVec3> {
+        let hidden = |id: usize| self.others.object(id).hidden_from_camera;
         if (self.high - self.low).max_element() <= SMALL {
             // The middle of its underside follows the pointer as the held point does, onto what is level there.
             let foot = self.foot();
             let seen = sight.from + sight.along * (self.at - self.held - sight.from).dot(sight.along).max(0.01);
             let aim = Sight { along: (seen + foot - (self.at - self.held) - sight.from).normalize(), ..sight };
-            if let Some(met) = meet(world, aim, hidden)
+            if let Some(met) = meet(&self.others, aim, hidden)
                 && met.normal.dot(self.up[2]) > 0.9
             {
                 let at = self.at + (met.point - foot);
-                return Some(self.resting(self.against_walls(world, at), self.height(met.point)));
+                return Some(self.resting(self.against_walls(at), self.height(met.point)));
             }
         }
         let wanted = self.level(sight, 0.0)?;
-        let stopped = self.against_walls(world, wanted);
-        match self.support(world, stopped) {
+        let stopped = self.against_walls(wanted);
+        match self.support(stopped) {
             Some(level) if level < self.base(stopped) - STEP => {
                 // It falls, and follows the pointer down there.
                 let below = self.level(sight, self.base(stopped) - level)?;
-                let below = self.against_walls(world, self.resting(below, level));
-                let under = self.support(world, below);
+                let below = self.against_walls(self.resting(below, level));
+                let under = self.support(below);
                 Some(if under.is_some_and(|under| (under - level).abs() < STEP) { below } else { self.resting(stopped, level) })
             }
             _ => Some(stopped),
@@ -159,20 +162,21 @@ impl Grip {
     }
 
     /// What is under the middle of it when its origin is at `at`; from a step above its underside on.
-    fn under(&self, world: &World, at: DVec3) -> Option<pick::Met> {
+    fn under(&self, at: DVec3) -> Option<pick::Met> {
         let up = self.up[2];
         let centre = self.centre(at);
         let from = centre + up * (self.base(at) + STEP - self.height(centre));
-        meet(world, Sight { from, along: -up }, |id| self.moving.get(id).copied().unwrap_or(false))
+        meet(&self.others, Sight { from, along: -up }, |_| false)
     }
 
     /// Height of what is under the middle of it when its origin is at `at`.
-    fn support(&self, world: &World, at: DVec3) -> Option<f64> {
-        self.under(world, at).map(|met| self.height(met.point))
+    fn support(&self, at: DVec3) -> Option<f64> {
+        self.under(at).map(|met| self.height(met.point))
     }
 
     /// `at`, but not through what is fixed, and flush where it is near.
-    fn against_walls(&self, world: &World, at: DVec3) -> DVec3 {
+    fn against_walls(&self, at: DVec3) -> DVec3 {
+        let world = &self.others;
         let movable = |id: usize| world.object(id).dynamic;
         let mut at = at;
         // The middle of it never passes through a wall.
@@ -210,8 +214,8 @@ impl Grip {
     }
 
     /// What it stands on: the object under the middle of it, within a step.
-    pub fn stands_on(&self, world: &World) -> Option<usize> {
-        let met = self.under(world, self.at)?;
+    pub fn stands_on(&self) -> Option<usize> {
+        let met = self.under(self.at)?;
         ((self.height(met.point) - self.base(self.at)).abs() <= STEP).then_some(met.object)
     }
 }
@@ -244,9 +248,12 @@ pub fn ride(configuration: &Configuration, object: usize, carrier: Option<usize>
 pub fn gather_riders(world: &World, object: usize) -> Vec<Edit> {
     let configuration = world.configuration();
     let loose = configuration.objects().filter(|(id, thing)| *id != object && thing.movable && thing.carrier.is_none());
+    let [low, high] = bounds(configuration, object);
     let on_it = loose.filter(|(id, _)| {
-        let at = configuration.object_motion(*id).translation;
-        Grip::new(configuration, *id, at).stands_on(world) == Some(object)
+        let [bottom, top] = bounds(configuration, *id);
+        // Only what is in or just above its box can stand on it.
+        let near = bottom.cmple(high + STEP).all() && top.cmpge(low - STEP).all();
+        near && Grip::new(world, *id, configuration.object_motion(*id).translation).stands_on() == Some(object)
     });
     on_it.filter_map(|(id, _)| ride(configuration, id, Some(object))).collect()
 }
@@ -306,21 +313,22 @@ mod tests {
         Sight { from, along: (point - from).normalize() }
     }
 
-    fn hold(configuration: &Configuration, name: &str) -> (Grip, DVec3) {
+    fn hold(world: &World, name: &str) -> (Grip, DVec3) {
+        let configuration = world.configuration();
         let id = configuration.object_id(name).unwrap();
         let [low, high] = bounds(configuration, id);
         let point = DVec3::new((low.x + high.x) / 2.0, (low.y + high.y) / 2.0, high.z);
-        (Grip::new(configuration, id, point), point)
+        (Grip::new(world, id, point), point)
     }
 
     #[test]
     fn the_table_follows_the_pointer_on_the_floor() {
         let (configuration, world) = room();
-        let (mut grip, point) = hold(&configuration, "table");
+        let (mut grip, point) = hold(&world, "table");
         let before = configuration.object_motion(grip.object).translation;
         let step = DVec3::new(0.3, 0.2, 0.0);
         for way in [Way::Snapping, Way::Free] {
-            let at = grip.follow(&world, onto(point + step), way);
+            let at = grip.follow(onto(point + step), way);
             assert!((at - before - step).length() < 1e-5, "{way:?}: {at}");
         }
     }
@@ -328,17 +336,17 @@ mod tests {
     #[test]
     fn walls_stop_it_and_draw_it_flush() {
         let (configuration, world) = room();
-        let (mut grip, point) = hold(&configuration, "table");
+        let (mut grip, point) = hold(&world, "table");
         let free = |along: DVec3| {
             meet(&world, Sight { from: point + DVec3::Z * 0.2, along }, |id| world.object(id).dynamic).unwrap().distance
         };
         let (wall, half) = (free(DVec3::NEG_Y), (grip.high - grip.low).y / 2.0);
         for beyond in [wall - half - 0.04, wall - half + 0.1, wall + 0.5] {
-            let at = grip.follow(&world, onto(point + DVec3::NEG_Y * beyond), Way::Snapping);
+            let at = grip.follow(onto(point + DVec3::NEG_Y * beyond), Way::Snapping);
             let gap = wall - half - (configuration.object_motion(grip.object).translation - at).y;
             assert!((gap - AIR).abs() < 2e-3 || gap > 0.0 && gap < 0.05, "{beyond}: {gap}");
         }
-        let at = grip.follow(&world, onto(point + DVec3::NEG_Y * (wall + 0.5)), Way::Free);
+        let at = grip.follow(onto(point + DVec3::NEG_Y * (wall + 0.5)), Way::Free);
         assert!((configuration.object_motion(grip.object).translation - at).y > wall, "free goes through");
     }
 
@@ -347,8 +355,8 @@ mod tests {
         let (configuration, world) = room();
         let cup = configuration.objects().find(|(_, o)| o.name.contains("cup") && o.movable).unwrap().0;
         let name = configuration.object(cup).name.clone();
-        let (mut grip, point) = hold(&configuration, &name);
-        let table = grip.stands_on(&world).unwrap();
+        let (mut grip, point) = hold(&world, &name);
+        let table = grip.stands_on().unwrap();
         let level = grip.base(grip.at);
         // The middle of the floor that nothing stands on.
         let clear = (0..40).flat_map(|i| (0..40).map(move |j| DVec3::new(0.1 * f64::from(i), 0.1 * f64::from(j), 1.2)));
@@ -357,13 +365,13 @@ mod tests {
             .find(|met| world.object(met.object).name == "floor" && (met.point - point).truncate().length() > 1.0)
             .unwrap();
         let height = point.z - level;
-        let at = grip.follow(&world, onto(floor.point + DVec3::Z * height), Way::Snapping);
+        let at = grip.follow(onto(floor.point + DVec3::Z * height), Way::Snapping);
         assert!((grip.base(at) - floor.point.z).abs() < 1e-4, "on the floor: {}", grip.base(at));
-        assert_ne!(grip.stands_on(&world), Some(table));
-        let at = grip.follow(&world, onto(point), Way::Snapping);
+        assert_ne!(grip.stands_on(), Some(table));
+        let at = grip.follow(onto(point), Way::Snapping);
         assert!((grip.base(at) - level).abs() < 1e-4, "back on the table: {}", grip.base(at));
-        assert_eq!(grip.stands_on(&world), Some(table));
-        let at = grip.follow(&world, onto(point + DVec3::Z * 0.3), Way::Height);
+        assert_eq!(grip.stands_on(), Some(table));
+        let at = grip.follow(onto(point + DVec3::Z * 0.3), Way::Height);
         assert!(grip.base(at) > level + 0.2, "lifted: {}", grip.base(at) - level);
     }
 

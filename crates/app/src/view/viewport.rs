@@ -11,10 +11,8 @@ use super::{
 };
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect};
 use glam::{DVec2, DVec3};
-use lightmend_photon::world::World;
 use lightmend_raster::camera::Camera;
 use lightmend_scene::Edit;
-use std::sync::Arc;
 
 /// Moves of less than this are a click, points.
 const CLICK: f32 = 3.0;
@@ -34,10 +32,7 @@ enum Doing {
     Look,
     Orbit(DVec3),
     Pan,
-    Object {
-        grip: Grip,
-        world: Arc<World>,
-    },
+    Object(Box<Grip>),
     /// A lamp, and where in the world the point is that the pointer holds it by.
     Lamp {
         id: usize,
@@ -205,14 +200,13 @@ impl Viewport {
                 if session.configuration.object(id).movable =>
             {
                 session.selection = Some(selection);
-                let world = session.world();
                 if session.snapping {
                     let title = move_title(session, id);
-                    for edit in placement::gather_riders(&world, id) {
+                    for edit in placement::gather_riders(&*session.world(), id) {
                         session.go_on(&title, edit);
                     }
                 }
-                Doing::Object { grip: Grip::new(&session.configuration, id, held), world }
+                Doing::Object(Box::new(Grip::new(&*session.world(), id, held)))
             }
             _ => Doing::Look,
         }
@@ -250,14 +244,14 @@ impl Viewport {
                 let height = f64::from(self.rect.height().max(1.0));
                 session.navigation.pan(-dx / height, dy / height);
             }
-            Doing::Object { grip, world } => {
+            Doing::Object(grip) => {
                 let way = match (modifiers.shift, modifiers.command || !session.snapping) {
                     (true, _) => Way::Height,
                     (false, true) => Way::Free,
                     (false, false) => Way::Snapping,
                 };
                 if let Some(sight) = self.sight(session, at) {
-                    let to = grip.follow(world, sight, way);
+                    let to = grip.follow(sight, way);
                     session.drag(grip.object, to);
                 }
             }
@@ -296,11 +290,11 @@ impl Viewport {
     /// The gesture is over, wherever it is.
     pub fn let_go(&mut self, session: &mut Session) {
         let Some(gesture) = self.gesture.take() else { return };
-        if let Doing::Object { grip, world } = &gesture.doing
+        if let Doing::Object(grip) = &gesture.doing
             && session.snapping
             && !gesture.modifiers.command
             && session.configuration.has_object(grip.object)
-            && let Some(on) = grip.stands_on(world)
+            && let Some(on) = grip.stands_on()
         {
             // On furniture it rides; on the floor nothing carries it.
             let carrier = session.configuration.object(on).dynamic.then_some(on);
@@ -314,7 +308,7 @@ impl Viewport {
     /// The gesture is over, and what it moved is back where it was. Whether there was one.
     pub fn put_back(&mut self, session: &mut Session) -> bool {
         let gesture = self.gesture.take();
-        if gesture.as_ref().is_some_and(|g| matches!(g.doing, Doing::Object { .. } | Doing::Lamp { .. })) {
+        if gesture.as_ref().is_some_and(|g| matches!(g.doing, Doing::Object(_) | Doing::Lamp { .. })) {
             session.cancel();
         }
         gesture.is_some()
@@ -323,7 +317,7 @@ impl Viewport {
     fn wheel(&mut self, session: &mut Session, notches: f32, modifiers: Modifiers, free: &dyn Fn(Pos2) -> bool) {
         let over = self.hovered.filter(|_| self.gesture.is_none());
         let held = self.gesture.as_ref().and_then(|g| match &g.doing {
-            Doing::Object { grip, .. } => Some(grip.object),
+            Doing::Object(grip) => Some(grip.object),
             _ => None,
         });
         let selected = match session.selection {
@@ -336,7 +330,7 @@ impl Viewport {
             self.notches -= whole;
             if whole != 0.0 {
                 turn(session, id, f64::from(whole) * if modifiers.shift { 1.0 } else { 15.0 }, held.is_some());
-                if let Some(Gesture { doing: Doing::Object { grip, .. }, .. }) = &mut self.gesture {
+                if let Some(Gesture { doing: Doing::Object(grip), .. }) = &mut self.gesture {
                     grip.turned(&session.configuration);
                 }
             }

@@ -21,7 +21,8 @@ impl Room {
         let program = desk.view(screen, "room.ron --summary first.json");
         screen.key(&[keys::CONTROL], u32::from(b'q'));
         assert_eq!(program.end().0, Some(0));
-        let place: Vec<f64> = desk.json("first.json")["room_in_window"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        let place: Vec<f64> =
+            desk.json("first.json")["room_in_window"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
         let scene = Scene::read(&desk.path("room.ron")).unwrap().0;
         let reach = Configuration::initial(&scene).reach();
         let camera = Camera::new(&scene.cameras[0].1, scene.up, place[2] / place[3], reach);

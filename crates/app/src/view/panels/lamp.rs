@@ -149,9 +149,9 @@ fn black_body(kelvin: f64) -> DVec3 {
     rgb / rgb.max_element()
 }
 
-/// The temperature whose ratio of red to blue is nearest.
+/// The temperature whose share of red is nearest.
 fn nearest_kelvin(colour: DVec3) -> f64 {
-    let ratio = |c: DVec3| (c.x.max(1e-6) / c.z.max(1e-6)).ln();
+    let ratio = |c: DVec3| (c.x.max(1e-6) / (c.y + c.z).max(1e-6)).ln();
     let wanted = ratio(colour);
     let steps = (0..=105).map(|n| 1500.0 + 100.0 * f64::from(n));
     steps
