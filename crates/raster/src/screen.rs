@@ -42,7 +42,8 @@ impl Screen {
         // The newest picture at the next refresh, and no waiting for it; or in turn, which all drivers have.
         let mailbox = offered.present_modes.contains(&wgpu::PresentMode::Mailbox);
         let configuration = wgpu::SurfaceConfiguration {
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            // What need not be drawn anew can then be copied.
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | (offered.usages & wgpu::TextureUsages::COPY_DST),
             format,
             color_space: wgpu::SurfaceColorSpace::Auto,
             width: 1,
@@ -64,6 +65,11 @@ impl Screen {
     /// What its textures are made of, for pipelines that draw into them.
     pub fn format(&self) -> TextureFormat {
         self.configuration.format
+    }
+
+    /// Whether other textures can be copied into its own.
+    pub fn takes_copies(&self) -> bool {
+        self.configuration.usage.contains(wgpu::TextureUsages::COPY_DST)
     }
 
     /// Pixels; at least 1 even where the window has none.

@@ -39,6 +39,10 @@ pub struct Pace {
     pub fps: f64,
     /// Of the passes of the last frame that was drawn, milliseconds.
     pub times: Times,
+    /// What the desk did before it, milliseconds.
+    pub desk: f64,
+    /// What showing it took, with the panels, milliseconds.
+    pub showing: f64,
     /// Of that frame as a whole, milliseconds.
     pub frame: f64,
     /// The longest of the last hundred, milliseconds.

@@ -16,6 +16,9 @@ const SHARE_OF_CARD: f64 = 0.9;
 /// After so long without a movement everything rests.
 const REST: Duration = Duration::from_millis(400);
 
+/// After so long edges become smooth: such a frame takes several times as long, and a hand that only paused would have to wait for it.
+const LONG_REST: Duration = Duration::from_millis(1200);
+
 /// How finely a frame is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
@@ -41,6 +44,8 @@ pub struct Governor {
     eighths: u32,
     /// Frames in a row that would have had the time for one more.
     easy: u32,
+    /// What frames of each number of eighths took lately, seconds, and when that was.
+    known: [Option<(f64, Instant)>; 9],
     moved: Option<Instant>,
     /// What the picture that is shown was drawn with.
     drawn: Quality,
@@ -50,6 +55,9 @@ pub struct Governor {
 
 /// Eighths of the window's pixels that a moving picture has at least.
 const LEAST: u32 = 2;
+
+/// What frames took longer ago than this says little: another part of the scene is seen.
+const LATELY: Duration = Duration::from_secs(4);
 
 /// After so many frames in a row that leave time for more pixels, they get more.
 const EASY: u32 = 4;
@@ -61,7 +69,7 @@ impl Governor {
     /// Wants `fps` frames a second; whether a processor draws them.
     pub fn new(fps: f64, on_processor: bool) -> Governor {
         let share = if on_processor { SHARE_OF_PROCESSOR } else { SHARE_OF_CARD };
-        Governor { fps, share, eighths: 5, easy: 0, moved: None, drawn: FINEST, rested: 0.0 }
+        Governor { fps, share, eighths: 5, easy: 0, known: [None; 9], moved: None, drawn: FINEST, rested: 0.0 }
     }
 
     /// Time from one frame to the next.
@@ -74,6 +82,16 @@ impl Governor {
         self.moved = Some(Instant::now());
     }
 
+    /// When a finer frame is due, if nothing moves until then.
+    pub fn finer_at(&self, lit: bool) -> Option<Instant> {
+        let moved = self.moved?;
+        [moved + REST, moved + LONG_REST]
+            .into_iter()
+            .find(|at| *at > Instant::now())
+            .filter(|_| self.drawn != SMOOTH)
+            .filter(|_| !lit || self.drawn.eighths < 8)
+    }
+
     /// Whether something moved just now.
     pub fn is_moving(&self) -> bool {
         self.moved.is_some_and(|at| at.elapsed() < REST)
@@ -83,7 +101,7 @@ impl Governor {
     pub fn quality(&self, lit: bool) -> Quality {
         if self.is_moving() {
             Quality { eighths: self.eighths, grid: 1 }
-        } else if lit || self.drawn.eighths < 8 {
+        } else if lit || self.drawn.eighths < 8 || self.moved.is_some_and(|at| at.elapsed() < LONG_REST) {
             FINEST
         } else {
             SMOOTH
@@ -100,6 +118,24 @@ impl Governor {
         if self.is_moving() { self.period() } else { self.period().max(Duration::from_secs_f64(4.0 * self.rested)) }
     }
 
+    /// How long a moving frame of so many eighths will take, seconds: a part that does not depend on its pixels and one that does, from
+    /// the two nearest that are known; of one, as if all of it depended on them.
+    fn predicted(&self, eighths: u32) -> f64 {
+        let pixels = |eighths: u32| f64::from(eighths * eighths);
+        let fresh = |n: u32| self.known[n as usize].filter(|(_, at)| at.elapsed() < LATELY).map(|(took, _)| (n, took));
+        let mut known: Vec<(u32, f64)> = (LEAST..=8).filter_map(fresh).collect();
+        known.sort_by_key(|(n, _)| n.abs_diff(eighths));
+        match known[..] {
+            [] => 0.0,
+            [(same, took), ..] if same == eighths => took,
+            [(n, took)] => took * pixels(eighths) / pixels(n),
+            [(a, of_a), (b, of_b), ..] => {
+                let slope = ((of_b - of_a) / (pixels(b) - pixels(a))).max(0.0);
+                (of_a + slope * (pixels(eighths) - pixels(a))).max(0.0)
+            }
+        }
+    }
+
     /// A frame was drawn with `quality` in `took`.
     pub fn drew(&mut self, quality: Quality, took: Duration) {
         self.drawn = quality;
@@ -110,15 +146,18 @@ impl Governor {
         if !self.is_moving() || quality.grid > 1 {
             return;
         }
-        let budget = self.share / self.fps;
-        // As if all of a frame depended on its pixels: down by enough, up with care, and no to and fro.
-        let suits = |eighths: u32| took * f64::from(eighths * eighths) / f64::from(quality.eighths * quality.eighths) <= budget;
-        self.easy = if suits(quality.eighths + 1) { self.easy + 1 } else { 0 };
+        let known = &mut self.known[quality.eighths as usize];
+        *known = Some((known.map_or(took, |(before, _)| before + 0.3 * (took - before)), Instant::now()));
+        // A little more time than the coarsest frame would take is worth a finer one, even if there is too little for either.
+        let budget = (self.share / self.fps).max(1.15 * self.predicted(LEAST));
+        let suits = |eighths: u32| eighths <= 8 && self.predicted(eighths) <= budget;
+        let easy = if suits(quality.eighths + 1) { self.easy + 1 } else { 0 };
         if !suits(quality.eighths) {
             self.eighths = (LEAST..quality.eighths).rev().find(|eighths| suits(*eighths)).unwrap_or(LEAST);
-        } else if self.easy >= EASY {
-            (self.eighths, self.easy) = ((quality.eighths + 1).min(8), 0);
+        } else if easy >= EASY {
+            self.eighths = quality.eighths + 1;
         }
+        self.easy = easy % EASY;
     }
 }
 
@@ -146,9 +185,11 @@ mod tests {
         for (fps, fixed, full) in [(20.0, 5.0, 60.0), (10.0, 20.0, 150.0), (25.0, 2.0, 10.0), (30.0, 8.0, 100.0)] {
             let (took, eighths) = settled(fps, fixed, full);
             assert!(took <= 600.0 / fps, "{fps}: {took} ms at {eighths}/8");
-            assert!(eighths == 8 || took > 200.0 / fps, "{fps}: {took} ms at {eighths}/8 is too coarse");
+            let finer = fixed + full * f64::from(eighths + 1).powi(2) / 64.0;
+            assert!(eighths == 8 || finer > 590.0 / fps, "{fps}: {eighths}/8 is too coarse");
         }
-        assert_eq!(settled(60.0, 50.0, 100.0).1, 2, "what cannot be is drawn as coarsely as may be");
+        assert_eq!(settled(60.0, 5.0, 800.0).1, 2, "what cannot be is drawn as coarsely as may be");
+        assert!(settled(60.0, 50.0, 100.0).1 >= 3, "but not if that hardly helps");
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod history;
 mod light;
 mod messages;
 mod navigation;
+mod overlay;
 mod panels;
 mod pick;
 mod placement;

@@ -20,6 +20,7 @@ struct Stretch {
     /// Photons and rays traced before it, and until its end.
     work: [[u64; 2]; 2],
     pixels: Vec<f64>,
+    passes: Vec<[f64; 8]>,
     edits: u64,
     /// Seconds from its end until 5 % of the change were outstanding, and until the light was exact.
     after: Option<[Option<f64>; 2]>,
@@ -63,6 +64,7 @@ impl Report {
                 delays: Vec::new(),
                 work: [work; 2],
                 pixels: Vec::new(),
+                passes: Vec::new(),
                 edits: 0,
                 after: None,
             });
@@ -73,6 +75,17 @@ impl Report {
             if room.is_some() {
                 stretch.frames.push(took);
                 stretch.delays.extend(event.map(|event| (now - event).as_secs_f64() * 1000.0));
+                let (pace, times) = (&desk.pace, &desk.pace.times);
+                stretch.passes.push([
+                    pace.desk,
+                    times.preparation,
+                    times.prepass,
+                    times.shadows,
+                    times.composition,
+                    times.exposure,
+                    times.tone,
+                    pace.showing,
+                ]);
                 stretch.pixels.push(f64::from(desk.pace.pixels[0]) * f64::from(desk.pace.pixels[1]));
             }
             stretch.edits = session.edits();
@@ -115,7 +128,12 @@ impl Stretch {
         let seconds = (self.ended - self.began).as_secs_f64();
         let rate = |n: usize| if seconds > 0.0 { Some((self.work[1][n] - self.work[0][n]) as f64 / seconds) } else { None };
         let shares = |values: &[f64]| json!({ "median": quantile(values, 0.5), "percentile_99": quantile(values, 0.99), "longest": quantile(values, 1.0) });
+        let names = ["events_and_panels", "preparation", "prepass", "shadows", "composition", "exposure", "tone", "showing"];
+        let pass = |n: usize| quantile(&self.passes.iter().map(|p| p[n]).collect::<Vec<_>>(), 0.5);
+        let passes: serde_json::Map<String, Value> =
+            names.iter().enumerate().map(|(n, name)| ((*name).to_owned(), json!(pass(n)))).collect();
         json!({
+            "median_milliseconds_by_pass": passes,
             "what": self.title, "seconds": seconds, "frames": self.intervals.len(),
             "frames_per_second": if seconds > 0.0 { Some(self.intervals.len() as f64 / seconds) } else { None },
             "milliseconds_between_frames": shares(&self.intervals), "milliseconds_a_frame": shares(&self.frames),

@@ -9,6 +9,7 @@ use super::{
     dialogs,
     governor::{Governor, Quality},
     light::Ready,
+    overlay::{Layout, Panels},
     report::Report,
     session::{Selection, Session, Start},
 };
@@ -39,7 +40,7 @@ struct Graphics {
     device: Arc<Device>,
     screen: Screen,
     renderer: Renderer,
-    panels: egui_wgpu::Renderer,
+    panels: Panels,
     egui: egui_winit::State,
     context: Context,
 }
@@ -140,7 +141,7 @@ impl App {
             window.theme(),
             Some(device.largest_side() as usize),
         );
-        let panels = egui_wgpu::Renderer::new(&device.device, screen.format(), egui_wgpu::RendererOptions::default());
+        let panels = Panels::new(&device, screen.format());
         let mut renderer = Renderer::new(device.clone())?;
         renderer.show(&self.desk.session.configuration)?;
         self.desk.driver = device.name.clone();
@@ -183,6 +184,7 @@ impl App {
         let output = graphics.context.run_ui(input, |ui| walks = desk.ui(ui, seconds));
         graphics.egui.handle_platform_output(&window, output.platform_output);
         let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
+        self.desk.pace.desk = start.elapsed().as_secs_f64() * 1000.0;
         self.egui_wants = delay.and_then(|delay| Instant::now().checked_add(delay));
         self.stirred |= walks || self.desk.session.playback.is_some();
         self.governor.fps = self.desk.fps;
@@ -229,11 +231,11 @@ impl App {
         }
         for (id, deltas) in &textures.set {
             for delta in deltas {
-                panels.update_texture(&device.device, &device.queue, *id, delta);
+                panels.egui.update_texture(&device.device, &device.queue, *id, delta);
             }
         }
         let Some(target) = screen.frame(device)? else {
-            textures.free.iter().for_each(|id| panels.free_texture(id));
+            textures.free.iter().for_each(|id| panels.egui.free_texture(id));
             textures.clear();
             return Ok(None);
         };
@@ -247,28 +249,12 @@ impl App {
 
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let view = target.texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let marks = self.marks();
-        renderer.present(&mut encoder, &view, screen.format(), place, &marks)?;
-        let primitives = context.tessellate(shapes.to_vec(), points);
-        let descriptor = egui_wgpu::ScreenDescriptor { size_in_pixels: size, pixels_per_point: points };
-        let more = panels.update_buffers(&device.device, &device.queue, &mut encoder, &primitives, &descriptor);
-        {
-            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("panels"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                ..Default::default()
-            });
-            panels.render(&mut pass.forget_lifetime(), &primitives, &descriptor);
-        }
-        device.queue.submit(more.into_iter().chain([encoder.finish()]));
+        renderer.present(&mut encoder, &view, screen.format(), place, &self.marks())?;
+        let layout = Layout { room: rect, place, size, points, in_hurry: self.governor.is_moving() };
+        panels.draw(device, screen, encoder, &target.texture, context, shapes, &layout);
         window.pre_present_notify();
         screen.present(device, target);
-        textures.free.iter().for_each(|id| panels.free_texture(id));
+        textures.free.iter().for_each(|id| panels.egui.free_texture(id));
         textures.clear();
         // The next frame begins with what the person did until this one was there, not until it was begun.
         device.wait()?;
@@ -347,6 +333,7 @@ impl App {
     fn account(&mut self, start: Instant, room: Option<Duration>, event: Option<Instant>) {
         let now = Instant::now();
         let took = (now - start).as_secs_f64() * 1000.0;
+        self.desk.pace.showing = took - self.desk.pace.desk - room.map_or(0.0, |room| room.as_secs_f64() * 1000.0);
         self.shown.push_back(now);
         while self.shown.front().is_some_and(|at| now - *at > Duration::from_secs(1)) {
             self.shown.pop_front();
@@ -451,11 +438,12 @@ impl App {
             due.push((self.lit + self.governor.pause_for_light()).max(soon));
         }
         let coming = self.light.as_ref().is_none_or(|ready| !ready.snapshot.exact);
-        if self.drawn.is_some() && (self.governor.is_moving() || self.governor.wants_finer(coming)) {
-            due.push((Instant::now() + Duration::from_millis(100)).max(soon));
+        if self.drawn.is_some() {
+            due.extend(self.governor.finer_at(coming));
+            due.extend(self.governor.wants_finer(coming).then_some(soon));
         }
         if session.keeps_waiting() {
-            due.push(Instant::now() + Duration::from_millis(200));
+            due.push(self.last_frame + Duration::from_millis(200));
         }
         due.into_iter().min()
     }

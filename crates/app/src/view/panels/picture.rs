@@ -78,12 +78,14 @@ fn pace(desk: &Desk, ui: &mut Ui) {
         egui::Grid::new("pace").num_columns(2).show(ui, |ui| {
             let times = &pace.times;
             for (name, ms) in [
+                ("events, panels", pace.desk),
                 ("silhouettes, uploads", times.preparation),
                 ("depth", times.prepass),
                 ("shadow volumes", times.shadows),
                 ("composition", times.composition),
                 ("exposure", times.exposure),
                 ("tone", times.tone),
+                ("showing, with panels", pace.showing),
             ] {
                 ui.label(name);
                 ui.label(format!("{ms:.1} ms"));
