@@ -12,10 +12,10 @@ use std::{
 };
 
 /// Changes are kept this long after the last of them, so that a drag is not written step by step.
-const QUIET: Duration = Duration::from_millis(700);
+const QUIET: Duration = Duration::from_millis(400);
 
 /// And at least so often while they go on.
-const LONGEST: Duration = Duration::from_secs(3);
+const LONGEST: Duration = Duration::from_millis(1500);
 
 enum Order {
     Write(Configuration),

@@ -5,6 +5,9 @@ use super::{
     screen::{Screen, keys, pause},
 };
 
+/// Where the table's top is on the screen.
+const TABLE: [i32; 2] = [150, 545];
+
 #[test]
 fn killed_at_any_moment_it_loses_nothing() {
     let Some(screen) = Screen::start() else { return };
@@ -15,14 +18,13 @@ fn killed_at_any_moment_it_loses_nothing() {
     for round in 0..rounds {
         let mut program = desk.view(&screen, "room.ron");
         // Something goes on all the time: the table is moved by keys, the scene is saved now and then.
-        screen.point([500, 400]);
-        screen.click([500, 420]);
-        let moments = 3 + round * 7 % 23;
+        screen.click(TABLE);
+        let moments = 5 + round * 11 % 31;
         for moment in 0..moments {
             screen.key_down(u32::from(b'r'));
             screen.key_up(u32::from(b'r'));
-            pause(37 + 61 * (round + moment) % 190);
-            if (round + moment) % 6 == 5 {
+            pause(37 + (61 * (round + moment)) % 190);
+            if (round + moment) % 17 == 5 {
                 screen.key_down(keys::CONTROL);
                 screen.key_down(u32::from(b's'));
                 screen.key_up(u32::from(b's'));

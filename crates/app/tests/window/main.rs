@@ -3,7 +3,9 @@
 //! Pictures of what was on the screen are kept in `target/window`. Without Xvfb nothing can be tried, and every test says so.
 
 mod kill;
+mod measure;
 mod mishaps;
 mod program;
+mod room;
 mod screen;
 mod walk;

@@ -24,8 +24,13 @@ fn copy(from: &Path, to: &Path) {
 
 impl Desk {
     pub fn new() -> Desk {
+        Desk::of("room")
+    }
+
+    /// A folder that holds a copy of one of our scenes.
+    pub fn of(scene: &str) -> Desk {
         let desk = Desk(tempfile::tempdir().unwrap());
-        copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room"), desk.0.path());
+        copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(scene), desk.0.path());
         desk
     }
 
@@ -57,7 +62,11 @@ impl Desk {
     /// Opens the window on a screen, as large as that, and waits until it is there and has the keyboard.
     pub fn view(&self, screen: &Screen, arguments: &str) -> Program {
         let [width, height] = super::screen::SIZE;
-        let mut command = self.command(&format!("view {arguments} --size {width}x{height} --photons 200000"));
+        let mut command = self.command(&format!("view {arguments} --size {width}x{height}"));
+        // Few photons, so that a busy machine is done soon, unless others are asked for.
+        if !arguments.contains("--photons") {
+            command.args(["--photons", "200000"]);
+        }
         command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY");
         let program = Program(command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
         screen.wait("light in the window", || ["outstanding — ", "exact — "].iter().any(|light| screen.title().contains(light)));

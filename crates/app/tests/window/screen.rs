@@ -35,13 +35,10 @@ pub struct Screen {
 /// Keys by their X11 names.
 pub mod keys {
     pub const ESCAPE: u32 = 0xff1b;
-    pub const RETURN: u32 = 0xff0d;
     pub const F1: u32 = 0xffbe;
-    pub const F3: u32 = 0xffc0;
     pub const F12: u32 = 0xffc9;
     pub const CONTROL: u32 = 0xffe3;
     pub const SHIFT: u32 = 0xffe1;
-    pub const PAGE_UP: u32 = 0xff55;
 }
 
 impl Screen {
@@ -194,11 +191,15 @@ impl Screen {
         self.wait(&format!("a title with '{what}'"), || self.title().contains(what));
     }
 
-    /// Waits until something is so; two minutes are more than anything takes, also on a busy machine.
+    /// Waits until something is so; a minute is more than anything takes, also on a busy machine.
     pub fn wait(&self, what: &str, so: impl Fn() -> bool) {
         let start = Instant::now();
         while !so() {
-            assert!(start.elapsed() < Duration::from_secs(120), "waited in vain for {what}; the title is '{}'", self.title());
+            if start.elapsed() > Duration::from_secs(60) {
+                let picture = super::program::pictures().join("waited_in_vain.png");
+                self.keep(&picture);
+                panic!("waited in vain for {what}; the title is '{}'; see {}", self.title(), picture.display());
+            }
             pause(50);
         }
     }

@@ -2,48 +2,11 @@
 
 use super::{
     program::{Desk, pictures},
+    room::Room,
     screen::{Screen, keys, pause},
 };
-use glam::{DVec2, DVec3};
-use image::RgbImage;
-use lightmend_raster::camera::Camera;
+use glam::DVec3;
 use lightmend_scene::{Configuration, Scene};
-
-/// The room's part of the window, and the camera that it shows.
-struct Room {
-    place: [f64; 4],
-    camera: Camera,
-}
-
-impl Room {
-    /// As a run that ends at once tells it, of the scene's first camera.
-    fn learn(desk: &Desk, screen: &Screen) -> Room {
-        let program = desk.view(screen, "room.ron --summary first.json");
-        screen.key(&[keys::CONTROL], u32::from(b'q'));
-        assert_eq!(program.end().0, Some(0));
-        let place: Vec<f64> =
-            desk.json("first.json")["room_in_window"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-        let scene = Scene::read(&desk.path("room.ron")).unwrap().0;
-        let reach = Configuration::initial(&scene).reach();
-        let camera = Camera::new(&scene.cameras[0].1, scene.up, place[2] / place[3], reach);
-        Room { place: [place[0], place[1], place[2], place[3]], camera }
-    }
-
-    /// The pixel of the screen where a point of the world is.
-    fn pixel(&self, point: DVec3) -> [i32; 2] {
-        let DVec2 { x, y } = self.camera.project(point).unwrap();
-        let [left, top, width, height] = self.place;
-        [(left + (1.0 + x) / 2.0 * width).round() as i32, (top + (1.0 - y) / 2.0 * height).round() as i32]
-    }
-
-    /// How much two pictures of the screen differ there: mean over pixels and channels, of 255.
-    fn difference(&self, a: &RgbImage, b: &RgbImage) -> f64 {
-        let [left, top, width, height] = self.place.map(|v| v as u32);
-        let places = (left..left + width).flat_map(|x| (top..top + height).map(move |y| (x, y)));
-        let apart = |(x, y)| (0..3).map(|c| f64::from(a.get_pixel(x, y)[c].abs_diff(b.get_pixel(x, y)[c]))).sum::<f64>();
-        places.map(apart).sum::<f64>() / f64::from(3 * width * height)
-    }
-}
 
 /// Where the table stands in a scene file.
 fn table(desk: &Desk, scene: &str) -> DVec3 {
@@ -62,7 +25,7 @@ fn the_table_is_dragged_and_its_light_mends() {
     let desk = Desk::new();
     let kept = pictures();
     std::fs::copy(desk.path("room.ron"), desk.path("original.ron")).unwrap();
-    let room = Room::learn(&desk, &screen);
+    let room = Room::learn(&desk, &screen, "room.ron", 0);
 
     let program = desk.view(&screen, "room.ron --record walk.ron --dump view.txt --summary summary.json");
     screen.wait_for_title("room.ron — exact");
@@ -127,7 +90,7 @@ fn what_is_undone_leaves_no_trace() {
     let Some(screen) = Screen::start() else { return };
     let desk = Desk::new();
     std::fs::copy(desk.path("room.ron"), desk.path("original.ron")).unwrap();
-    let room = Room::learn(&desk, &screen);
+    let room = Room::learn(&desk, &screen, "room.ron", 0);
     let program = desk.view(&screen, "room.ron --dump view.txt --record walk.ron");
     let exact = "room.ron — exact";
     screen.wait_for_title(exact);
