@@ -4,7 +4,7 @@
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
 //! ([`mod@vertex_irradiance`]). A [`pool`] of photons is shot and, after edits, repaired group by group ([`solution`]: Algorithm 1
-//! of Dmitriev et al. 2002), in the background ([`solver`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
+//! of Dmitriev et al. 2002), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
 //! by a camera: [`visible`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
@@ -26,6 +26,7 @@
 pub mod body;
 mod boxes;
 pub mod bucket;
+pub mod courtesy;
 pub mod drag;
 pub mod emission;
 pub mod halton;

@@ -7,10 +7,9 @@
 //! A snapshot that nobody took is not replaced until the light comes to rest. One that is held shares the pages of buckets that have not
 //! changed since: it costs a copy of those that have.
 
-mod courtesy;
 mod worker;
 
-use crate::{bucket::Buckets, irradiance::Scale, path::FirstHits, pool::Pool, solution::Work, world::World};
+use crate::{bucket::Buckets, courtesy, irradiance::Scale, path::FirstHits, pool::Pool, solution::Work, world::World};
 use lightmend_scene::{Configuration, View};
 use std::{
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
@@ -154,7 +153,7 @@ impl Solver {
     pub fn start(configuration: Configuration, settings: Settings) -> std::io::Result<Solver> {
         let give_way = move || {
             if settings.courteous {
-                courtesy::give_way();
+                courtesy::give_way(courtesy::WHOLLY);
             }
         };
         let pool = rayon::ThreadPoolBuilder::new()

@@ -119,7 +119,7 @@ impl Governor {
     }
 
     /// How long a moving frame of so many eighths will take, seconds: a part that does not depend on its pixels and one that does, from
-    /// the two nearest that are known; of one, as if all of it depended on them.
+    /// the two nearest that are known; of one, as if four fifths did not depend on them, so that finer ones are tried.
     fn predicted(&self, eighths: u32) -> f64 {
         let pixels = |eighths: u32| f64::from(eighths * eighths);
         let fresh = |n: u32| self.known[n as usize].filter(|(_, at)| at.elapsed() < LATELY).map(|(took, _)| (n, took));
@@ -128,7 +128,7 @@ impl Governor {
         match known[..] {
             [] => 0.0,
             [(same, took), ..] if same == eighths => took,
-            [(n, took)] => took * pixels(eighths) / pixels(n),
+            [(n, took)] => took * (0.8 + 0.2 * pixels(eighths) / pixels(n)),
             [(a, of_a), (b, of_b), ..] => {
                 let slope = ((of_b - of_a) / (pixels(b) - pixels(a))).max(0.0);
                 (of_a + slope * (pixels(eighths) - pixels(a))).max(0.0)

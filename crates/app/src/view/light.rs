@@ -6,6 +6,7 @@ use super::recovery::{Recovery, Trace};
 use crate::{failure::Failure, frames::Show, indirect::IndirectLight};
 use lightmend_photon::{
     body::TreePreset,
+    courtesy::give_way,
     irradiance::{Scale, spread},
     path::FirstHits,
     pool::Pool,
@@ -65,6 +66,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// How much its threads give way: between those that draw and those that trace.
+const HALFWAY: i32 = 10;
+
 /// While light is repaired it is looked for this often.
 const OFTEN: Duration = Duration::from_millis(25);
 
@@ -78,7 +82,7 @@ impl LightReader {
         pool: Pool,
         configuration: Configuration,
         view: View,
-        wake: impl Fn() + Send + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<LightReader, Failure> {
         let wanted = Wanted {
             configuration,
@@ -91,12 +95,13 @@ impl LightReader {
             version: 0,
         };
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new(), ready: Mutex::new(None) });
+        let fault = |e: &dyn std::fmt::Display| Failure::failed(format!("threads cannot be started: {e}"));
+        // Drawing comes first, then this, then photons.
+        let threads = rayon::ThreadPoolBuilder::new().start_handler(|_| give_way(HALFWAY)).build().map_err(|e| fault(&e))?;
         let thread = {
             let shared = shared.clone();
-            std::thread::Builder::new()
-                .name("lightmend-light".into())
-                .spawn(move || Reader::new(&shared, &solver, pool).run(&wake))
-                .map_err(|e| Failure::failed(format!("threads cannot be started: {e}")))?
+            let read = move || threads.install(|| Reader::new(&shared, &solver, pool).run(&wake));
+            std::thread::Builder::new().name("lightmend-light".into()).spawn(read).map_err(|e| fault(&e))?
         };
         Ok(LightReader { shared, thread: Some(thread) })
     }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use wgpu::{CommandEncoder, LoadOp, Texture, TextureUsages};
 
 /// While something moves, panels may be so old: numbers that change with every frame need not be read with every frame.
-const OLD: Duration = Duration::from_millis(150);
+const OLD: Duration = Duration::from_millis(200);
 
 /// Where the room is in the window.
 pub struct Layout {
@@ -36,13 +36,15 @@ pub struct Panels {
     /// Draws their shapes.
     pub egui: egui_wgpu::Renderer,
     kept: Option<Kept>,
+    /// What they should look like by now.
+    due: Option<Vec<ClippedShape>>,
 }
 
 impl Panels {
     /// For a window of this format.
     pub fn new(device: &Device, format: wgpu::TextureFormat) -> Panels {
         let options = egui_wgpu::RendererOptions { dithering: false, ..Default::default() };
-        Panels { egui: egui_wgpu::Renderer::new(&device.device, format, options), kept: None }
+        Panels { egui: egui_wgpu::Renderer::new(&device.device, format, options), kept: None, due: None }
     }
 
     /// Draws `shapes` over the room that `encoder` draws into `target`, and submits both.
@@ -66,27 +68,16 @@ impl Panels {
         if !screen.takes_copies() || panels.iter().any(reaches) {
             return self.paint(device, encoder, target, LoadOp::Load, context, shapes.to_vec(), layout);
         }
-        let fits = |kept: &&mut Kept| {
+        let fits = |kept: &Kept| {
             let texture = &kept.texture;
             ([texture.width(), texture.height()], kept.room, kept.points) == (layout.size, layout.room, layout.points)
-                && ((layout.in_hurry && kept.since.elapsed() < OLD) || kept.shapes == panels)
         };
-        if self.kept.as_mut().filter(fits).is_none() {
-            let [width, height] = layout.size;
-            let texture = device.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("panels"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: screen.format(),
-                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
-            // Submitted before the rest: both use the same buffers.
-            let own = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.paint(device, own, &texture, LoadOp::Clear(wgpu::Color::BLACK), context, panels.clone(), layout);
-            self.kept = Some(Kept { texture, shapes: panels, room: layout.room, points: layout.points, since: Instant::now() });
+        self.due = None;
+        match self.kept.as_ref().filter(|kept| fits(kept)) {
+            Some(kept) if kept.shapes == panels => {}
+            // A frame in a hurry shows them as they were; there may be time to draw them after it.
+            Some(kept) if layout.in_hurry => self.due = (kept.since.elapsed() > OLD).then_some(panels),
+            _ => self.keep(device, screen, context, panels, layout),
         }
         if let Some(kept) = &self.kept {
             let ([left, top, width, height], [whole_width, whole_height]) = (layout.place, layout.size);
@@ -106,6 +97,35 @@ impl Panels {
             }
         }
         self.paint(device, encoder, target, LoadOp::Load, context, marks, layout);
+    }
+
+    /// Draws what was put off, once a frame is shown.
+    pub fn catch_up(&mut self, device: &Device, screen: &Screen, context: &Context, layout: &Layout) {
+        if let Some(panels) = self.due.take() {
+            self.keep(device, screen, context, panels, layout);
+        }
+    }
+
+    /// Draws panels into the texture that is copied from.
+    fn keep(&mut self, device: &Device, screen: &Screen, context: &Context, panels: Vec<ClippedShape>, layout: &Layout) {
+        let [width, height] = layout.size;
+        let same_size = |kept: &Kept| [kept.texture.width(), kept.texture.height()] == layout.size;
+        let texture = self.kept.take().filter(same_size).map(|kept| kept.texture).unwrap_or_else(|| {
+            device.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("panels"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: screen.format(),
+                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        });
+        // Submitted before the rest: both use the same buffers.
+        let own = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.paint(device, own, &texture, LoadOp::Clear(wgpu::Color::BLACK), context, panels.clone(), layout);
+        self.kept = Some(Kept { texture, shapes: panels, room: layout.room, points: layout.points, since: Instant::now() });
     }
 
     /// Draws `shapes`, and submits all that `encoder` holds.

@@ -107,7 +107,12 @@ fn some_view(configuration: &Configuration) -> View {
 
 impl Session {
     /// Begins to rearrange `scene`; Save writes to `path`. `wake` is called from another thread when there is new light.
-    pub fn start(scene: Arc<Scene>, path: PathBuf, start: Start, wake: impl Fn() + Send + 'static) -> Result<Session, Failure> {
+    pub fn start(
+        scene: Arc<Scene>,
+        path: PathBuf,
+        start: Start,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Session, Failure> {
         let configuration = Configuration::initial(&scene);
         let settings = Settings {
             pool: start.pool,

@@ -189,22 +189,22 @@ impl App {
         self.stirred |= walks || self.desk.session.playback.is_some();
         self.governor.fps = self.desk.fps;
 
-        let result = self.draw(&window, &mut graphics, &output.shapes, output.textures_delta, output.pixels_per_point);
-        let was_drawn = match result {
-            Ok(was_drawn) => was_drawn,
-            Err(error) => {
-                self.graphics = Some(graphics);
-                return Err(error);
+        let mut textures = output.textures_delta;
+        let result = self.draw(&window, &mut graphics, &output.shapes, &textures, output.pixels_per_point);
+        match &result {
+            Ok(Some((room, layout))) => {
+                self.lost = 0;
+                self.account(start, *room, event);
+                graphics.panels.catch_up(&graphics.device, &graphics.screen, &graphics.context, layout);
             }
-        };
-        if let Some(drawing) = was_drawn {
-            self.lost = 0;
-            self.account(start, drawing, event);
-        } else {
             // Nothing is shown: there is time.
-            std::thread::sleep(Duration::from_millis(10));
+            Ok(None) => std::thread::sleep(Duration::from_millis(10)),
+            Err(_) => {}
         }
+        textures.free.iter().for_each(|id| graphics.panels.egui.free_texture(id));
+        textures.clear();
         self.graphics = Some(graphics);
+        result?;
         self.answer(event_loop, &window)?;
         let title = self.desk.title();
         if title != self.title {
@@ -215,15 +215,16 @@ impl App {
         Ok(())
     }
 
-    /// Draws the room if need be, and the window. How long the room took (none if it was left as it was); `None` if nothing can be shown.
+    /// Draws the room if need be, and the window. How long the room took (none if it was left as it was), and where it is; `None` if
+    /// nothing can be shown.
     fn draw(
         &mut self,
         window: &Window,
         graphics: &mut Graphics,
         shapes: &[egui::epaint::ClippedShape],
-        mut textures: egui::TexturesDelta,
+        textures: &egui::TexturesDelta,
         points: f32,
-    ) -> Result<Option<Option<Duration>>, RasterError> {
+    ) -> Result<Option<(Option<Duration>, Layout)>, RasterError> {
         let Graphics { device, screen, renderer, panels, context, .. } = graphics;
         let wanted: [u32; 2] = window.inner_size().into();
         if screen.size() != wanted {
@@ -235,8 +236,6 @@ impl App {
             }
         }
         let Some(target) = screen.frame(device)? else {
-            textures.free.iter().for_each(|id| panels.egui.free_texture(id));
-            textures.clear();
             return Ok(None);
         };
         let size = screen.size();
@@ -254,11 +253,9 @@ impl App {
         panels.draw(device, screen, encoder, &target.texture, context, shapes, &layout);
         window.pre_present_notify();
         screen.present(device, target);
-        textures.free.iter().for_each(|id| panels.egui.free_texture(id));
-        textures.clear();
         // The next frame begins with what the person did until this one was there, not until it was begun.
         device.wait()?;
-        Ok(Some(room))
+        Ok(Some((room, layout)))
     }
 
     /// Draws the room unless the picture shows it already. How long that took.
@@ -432,7 +429,7 @@ impl App {
         if self.stirred {
             due.push(soon);
         }
-        due.extend(self.egui_wants);
+        due.extend(self.egui_wants.map(|wanted| wanted.max(soon)));
         let new = session.light.ready().is_some_and(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &ready)));
         if new {
             due.push((self.lit + self.governor.pause_for_light()).max(soon));

@@ -8,8 +8,12 @@ use std::{
 };
 use tempfile::TempDir;
 
-/// A folder that holds a copy of the ROOM.
-pub struct Desk(TempDir);
+/// A folder that holds a copy of one of our scenes.
+pub struct Desk {
+    /// Goes away with the test.
+    _whole: TempDir,
+    folder: PathBuf,
+}
 
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
@@ -27,15 +31,17 @@ impl Desk {
         Desk::of("room")
     }
 
-    /// A folder that holds a copy of one of our scenes.
+    /// A folder that holds a copy of one of our scenes; beside it is the ROOM, whose textures others use.
     pub fn of(scene: &str) -> Desk {
-        let desk = Desk(tempfile::tempdir().unwrap());
-        copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(scene), desk.0.path());
-        desk
+        let whole = tempfile::tempdir().unwrap();
+        for name in ["room", scene] {
+            copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name), &whole.path().join(name));
+        }
+        Desk { folder: whole.path().join(scene), _whole: whole }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.folder.join(name)
     }
 
     pub fn read(&self, name: &str) -> String {
@@ -48,7 +54,7 @@ impl Desk {
 
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lightmend"));
-        command.current_dir(self.0.path()).args(arguments.split_whitespace());
+        command.current_dir(&self.folder).args(arguments.split_whitespace());
         command
     }
 

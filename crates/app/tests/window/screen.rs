@@ -6,6 +6,7 @@ use std::{
     io::{BufRead, BufReader},
     path::Path,
     process::{Child, Command, Stdio},
+    sync::{Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 use x11rb::{
@@ -23,8 +24,12 @@ use x11rb::{
 /// Pixels.
 pub const SIZE: [u16; 2] = [1280, 800];
 
+/// One at a time: two programs that draw on two cores would wait for each other.
+static ONE: Mutex<()> = Mutex::new(());
+
 /// An X server of its own.
 pub struct Screen {
+    _one: MutexGuard<'static, ()>,
     server: Child,
     /// For `DISPLAY`.
     pub display: String,
@@ -44,6 +49,7 @@ pub mod keys {
 impl Screen {
     /// `None`, and a line that says so, if there is no Xvfb.
     pub fn start() -> Option<Screen> {
+        let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let mut server = Command::new("Xvfb");
         server.args(["-displayfd", "1", "-screen", "0", &format!("{}x{}x24", SIZE[0], SIZE[1]), "-nolisten", "tcp"]);
         let Ok(mut server) = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn() else {
@@ -55,7 +61,7 @@ impl Screen {
         let display = format!(":{}", number.trim());
         let (x, screen) = x11rb::connect(Some(&display)).unwrap();
         let root = x.setup().roots[screen].root;
-        Some(Screen { server, display, x, root })
+        Some(Screen { _one: one, server, display, x, root })
     }
 
     fn fake(&self, kind: u8, detail: u8, x: i16, y: i16) {
@@ -138,6 +144,19 @@ impl Screen {
     pub fn part(&self, at: [i32; 2], size: u16) -> Vec<u8> {
         let [x, y] = at.map(|v| v as i16);
         self.x.get_image(ImageFormat::Z_PIXMAP, self.root, x, y, size, size, !0).unwrap().reply().unwrap().data
+    }
+
+    /// What is on the screen once nothing has changed there for two seconds: light is exact, edges are smooth, messages are gone.
+    pub fn still(&self) -> RgbImage {
+        let (start, mut since, mut last) = (Instant::now(), Instant::now(), self.picture());
+        while since.elapsed() < Duration::from_secs(2) && start.elapsed() < Duration::from_secs(60) {
+            pause(200);
+            let now = self.picture();
+            if now != last {
+                (since, last) = (Instant::now(), now);
+            }
+        }
+        last
     }
 
     /// Keeps what is on the screen.
