@@ -6,7 +6,7 @@
 use lightmend_scene::{Configuration, format::write_ron};
 use std::{
     path::{Path, PathBuf},
-    sync::mpsc::{Receiver, Sender, TryRecvError, channel},
+    sync::mpsc::{Receiver, Sender, channel},
     thread::JoinHandle,
     time::{Duration, Instant},
 };
@@ -97,10 +97,7 @@ impl Autosave {
             self.first_change = None;
             self.order(if unsaved { Order::Write(configuration.clone()) } else { Order::Remove });
         }
-        match self.faults.try_recv() {
-            Ok(fault) => Some(fault),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
-        }
+        self.faults.try_recv().ok()
     }
 
     /// Whether a change waits to be kept.

@@ -54,7 +54,7 @@ pub struct Chooser {
 }
 
 impl Chooser {
-    fn new(purpose: Purpose, title: &'static str, extensions: &'static [&'static str], folder: &Path, name: String) -> Dialog {
+    fn dialog(purpose: Purpose, title: &'static str, extensions: &'static [&'static str], folder: &Path, name: String) -> Dialog {
         let saves = matches!(purpose, Purpose::SaveScene | Purpose::SaveMoves);
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
@@ -183,31 +183,31 @@ fn folder_of(path: &Path) -> &Path {
 impl Dialog {
     /// For another scene.
     pub fn open_scene(session: &Session) -> Dialog {
-        Chooser::new(Purpose::OpenScene, "Open a scene", &["ron"], folder_of(&session.path), String::new())
+        Chooser::dialog(Purpose::OpenScene, "Open a scene", &["ron"], folder_of(&session.path), String::new())
     }
 
     /// For saving under another name.
     pub fn save_scene(session: &Session) -> Dialog {
         let name = session.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Chooser::new(Purpose::SaveScene, "Save the scene as", &["ron"], folder_of(&session.path), name)
+        Chooser::dialog(Purpose::SaveScene, "Save the scene as", &["ron"], folder_of(&session.path), name)
     }
 
     /// For a model.
     pub fn add_object(session: &Session) -> Dialog {
-        Chooser::new(Purpose::AddObject, "Add an object", &["obj"], folder_of(&session.path), String::new())
+        Chooser::dialog(Purpose::AddObject, "Add an object", &["obj"], folder_of(&session.path), String::new())
     }
 
     /// For a script.
     pub fn play(session: &Session) -> Dialog {
         let moves = folder_of(&session.path).join("moves");
         let folder = if moves.is_dir() { &moves } else { folder_of(&session.path) };
-        Chooser::new(Purpose::PlayMoves, "Play moves", &["ron"], folder, String::new())
+        Chooser::dialog(Purpose::PlayMoves, "Play moves", &["ron"], folder, String::new())
     }
 
     /// For what was done.
     pub fn save_moves(session: &Session) -> Dialog {
         let stem = session.path.file_stem().unwrap_or_default().to_string_lossy();
-        Chooser::new(
+        Chooser::dialog(
             Purpose::SaveMoves,
             "Save what was done as moves",
             &["ron"],
@@ -219,7 +219,7 @@ impl Dialog {
     /// For a material.
     pub fn texture(session: &Session, material: &str) -> Dialog {
         let purpose = Purpose::Texture { material: material.to_owned() };
-        Chooser::new(purpose, "A texture", &["png", "jpg", "jpeg"], folder_of(&session.path), String::new())
+        Chooser::dialog(purpose, "A texture", &["png", "jpg", "jpeg"], folder_of(&session.path), String::new())
     }
 
     /// For a lamp.
@@ -233,7 +233,7 @@ impl Dialog {
             None if ies.is_dir() => ies,
             None => folder_of(&session.path).to_owned(),
         };
-        Chooser::new(Purpose::Photometry { lamp }, "A photometric file", &["ies"], &folder, String::new())
+        Chooser::dialog(Purpose::Photometry { lamp }, "A photometric file", &["ies"], &folder, String::new())
     }
 
     /// For a model that was chosen already.

@@ -149,10 +149,10 @@ impl Viewport {
                         self.put_back(session);
                     }
                 }
-                Event::PointerButton { pos, button, pressed: false, .. } => {
-                    if self.gesture.as_ref().is_some_and(|g| g.button == *button) {
-                        self.released(session, *pos);
-                    }
+                Event::PointerButton { pos, button, pressed: false, .. }
+                    if self.gesture.as_ref().is_some_and(|g| g.button == *button) =>
+                {
+                    self.released(session, *pos);
                 }
                 Event::MouseWheel { unit, delta, modifiers, .. } => {
                     let lines = if delta.y == 0.0 { delta.x } else { delta.y };
@@ -202,11 +202,11 @@ impl Viewport {
                 session.selection = Some(selection);
                 if session.snapping {
                     let title = move_title(session, id);
-                    for edit in placement::gather_riders(&*session.world(), id) {
+                    for edit in placement::gather_riders(&session.world(), id) {
                         session.go_on(&title, edit);
                     }
                 }
-                Doing::Object(Box::new(Grip::new(&*session.world(), id, held)))
+                Doing::Object(Box::new(Grip::new(&session.world(), id, held)))
             }
             _ => Doing::Look,
         }
