@@ -30,10 +30,19 @@ pub struct Autosave {
     writer: Option<JoinHandle<()>>,
     first_change: Option<Instant>,
     last_change: Instant,
+    /// The file holds what was kept of an earlier run, and nobody has said yet what is to become of that.
+    asked: bool,
+}
+
+/// The autosave of an earlier run beside the scene file at `scene`, if it holds anything else than that.
+pub fn earlier(scene: &Path) -> Option<PathBuf> {
+    let autosave = path_beside(scene);
+    let differs = std::fs::read(&autosave).ok().is_some_and(|kept| std::fs::read(scene).ok().is_none_or(|file| file != kept));
+    differs.then_some(autosave)
 }
 
 /// Where the autosave of a scene file is: `room.autosave.ron` beside `room.ron`.
-pub fn path_beside(scene: &Path) -> PathBuf {
+fn path_beside(scene: &Path) -> PathBuf {
     scene.with_extension("autosave.ron")
 }
 
@@ -49,6 +58,7 @@ fn write(path: &Path, configuration: &Configuration) -> Result<(), String> {
 impl Autosave {
     /// For the scene file at `scene`.
     pub fn beside(scene: &Path) -> Autosave {
+        let asked = earlier(scene).is_some();
         let path = path_beside(scene);
         let (orders, taken) = channel();
         let (told, faults) = channel();
@@ -73,7 +83,15 @@ impl Autosave {
                 }
             })
         };
-        Autosave { path, orders: Some(orders), faults, writer: Some(writer), first_change: None, last_change: Instant::now() }
+        Autosave {
+            path,
+            orders: Some(orders),
+            faults,
+            writer: Some(writer),
+            first_change: None,
+            last_change: Instant::now(),
+            asked,
+        }
     }
 
     fn order(&self, order: Order) {
@@ -81,6 +99,11 @@ impl Autosave {
             // The writer ends only with this end of the channel.
             let _ = orders.send(order);
         }
+    }
+
+    /// What was kept of an earlier run is here now: it may be written over.
+    pub fn taken_over(&mut self) {
+        self.asked = false;
     }
 
     /// Something changed.
@@ -92,6 +115,7 @@ impl Autosave {
     /// Keeps what changed, when it is time; what went wrong with that.
     pub fn tick(&mut self, configuration: &Configuration, unsaved: bool) -> Option<String> {
         if let Some(first) = self.first_change
+            && !self.asked
             && (self.last_change.elapsed() > QUIET || first.elapsed() > LONGEST)
         {
             self.first_change = None;
@@ -102,19 +126,25 @@ impl Autosave {
 
     /// Whether a change waits to be kept.
     pub fn waits(&self) -> bool {
-        self.first_change.is_some()
+        self.first_change.is_some() && !self.asked
     }
 
     /// Keeps the changes at once; where they are.
     pub fn write_now(&mut self, configuration: &Configuration) -> Result<PathBuf, String> {
         self.first_change = None;
         self.settle();
-        write(&self.path, configuration).map(|()| self.path.clone())
+        // What was kept before is not written over unasked.
+        let numbered = (2..).map(|n| self.path.with_extension(format!("{n}.ron")));
+        let path = match self.asked {
+            false => self.path.clone(),
+            true => numbered.clone().find(|path| !path.exists()).unwrap_or_default(),
+        };
+        write(&path, configuration).map(|()| path)
     }
 
     /// Nothing needs to be kept.
     pub fn remove(&mut self) {
-        self.first_change = None;
+        (self.first_change, self.asked) = (None, false);
         self.order(Order::Remove);
     }
 

@@ -381,9 +381,7 @@ fn kept(desk: &mut Desk, ui: &mut Ui, scene: &Path, autosave: &Path) -> bool {
 
 /// The question about an autosave of an earlier run, if there is one.
 pub fn kept_before(scene: &Path) -> Option<Dialog> {
-    let autosave = autosave::path_beside(scene);
-    let differs = std::fs::read(&autosave).ok().is_some_and(|kept| std::fs::read(scene).ok().is_none_or(|file| file != kept));
-    differs.then(|| Dialog::Kept { scene: scene.to_owned(), autosave })
+    autosave::earlier(scene).map(|autosave| Dialog::Kept { scene: scene.to_owned(), autosave })
 }
 
 /// Units that models come in, for a list.

@@ -24,6 +24,8 @@ pub struct History {
     undone: Vec<Action>,
     /// The last action is still going on: before it, this was the configuration.
     open: Option<Configuration>,
+    /// What could be done again before that: it comes back if the action is cancelled.
+    before_open: Vec<Action>,
 }
 
 /// Edits that, one after the other, lead from `before` and all of `edits` back to `before`.
@@ -52,7 +54,7 @@ impl History {
         let same = self.open.is_some() && self.done.last().is_some_and(|action| action.title == title);
         if !same {
             self.close()?;
-            self.undone.clear();
+            self.before_open = std::mem::take(&mut self.undone);
             self.done.push(Action { title: title.to_owned(), forward: Vec::new(), backward: Vec::new() });
             self.open = Some(before.clone());
         }
@@ -97,9 +99,9 @@ impl History {
         Ok(action)
     }
 
-    /// What was undone last was cancelled: it is not to come back.
-    pub fn forget_undone(&mut self) {
-        self.undone.pop();
+    /// What was undone last was cancelled: it is not to come back, and what it swept away is.
+    pub fn cancelled(&mut self) {
+        self.undone = std::mem::take(&mut self.before_open);
     }
 
     /// What would be undone.

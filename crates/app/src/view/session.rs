@@ -174,6 +174,7 @@ impl Session {
 
     /// What was opened is not what the file says that it would be saved to.
     pub fn differs_from_file(&mut self) {
+        self.autosave.taken_over();
         self.unsaved = true;
     }
 
@@ -316,7 +317,7 @@ impl Session {
     pub fn cancel(&mut self) {
         if self.history.is_open() {
             self.undo();
-            self.history.forget_undone();
+            self.history.cancelled();
         }
     }
 

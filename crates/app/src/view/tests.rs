@@ -39,8 +39,14 @@ fn start() -> Start {
 
 impl Trial {
     fn new() -> Trial {
+        Trial::after(|_| {})
+    }
+
+    /// After something was done in the folder.
+    fn after(before: impl FnOnce(&Path)) -> Trial {
         let folder = tempfile::tempdir().unwrap();
         copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room"), folder.path());
+        before(folder.path());
         let path = folder.path().join("room.ron");
         let scene = Scene::read(&path).unwrap().0;
         let session = Session::start(scene, path, start(), || {}).unwrap();
@@ -445,6 +451,48 @@ fn changes_are_kept_until_they_are_saved() {
     wait(&mut trial, false);
     trial.desk.run(Command::Quit);
     assert_eq!(trial.desk.requests, [Request::Quit]);
+}
+
+#[test]
+fn what_was_kept_of_an_earlier_run_is_not_written_over_unasked() {
+    let earlier = |folder: &Path| folder.join("room.autosave.ron");
+    let mut trial = Trial::after(|folder| {
+        let text = std::fs::read_to_string(folder.join("room.ron")).unwrap();
+        std::fs::write(earlier(folder), text.replace("position: (1.9, 3.0, 0.0)", "position: (2.5, 3.0, 0.0)")).unwrap();
+    });
+    let path = trial.folder.path().join("room.ron");
+    let kept = std::fs::read(earlier(trial.folder.path())).unwrap();
+    trial.desk.dialog = super::dialogs::kept_before(&path);
+    assert!(matches!(trial.desk.dialog, Some(Dialog::Kept { .. })));
+    // A script plays behind the question.
+    let script = trial.folder.path().join("moves/table.ron");
+    trial.desk.session.play(&script).unwrap();
+    for _ in 0..60 {
+        trial.frame([]);
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    trial.key(Key::Escape, Modifiers::NONE);
+    trial.key(Key::Q, Modifiers::COMMAND);
+    assert!(matches!(trial.desk.dialog, Some(Dialog::Kept { .. })), "it needs an answer");
+    assert!(trial.desk.session.is_changed() && std::fs::read(earlier(trial.folder.path())).unwrap() == kept);
+    // Ctrl-C: what is new is kept beside it.
+    let beside = trial.desk.session.keep().unwrap();
+    assert!(beside != earlier(trial.folder.path()) && Scene::read(&beside).is_ok());
+    assert!(std::fs::read(earlier(trial.folder.path())).unwrap() == kept);
+}
+
+#[test]
+fn a_cancelled_drag_leaves_what_could_be_done_again() {
+    let mut trial = Trial::new();
+    let from = trial.seen("table");
+    trial.drag(from, from + vec2(40.0, 5.0));
+    let moved = trial.state();
+    trial.key(Key::Z, Modifiers::COMMAND);
+    trial.press(from, PointerButton::Primary);
+    trial.point(from + vec2(-30.0, 0.0));
+    trial.key(Key::Escape, Modifiers::NONE);
+    trial.key(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT);
+    assert!(trial.state() == moved);
 }
 
 #[test]
