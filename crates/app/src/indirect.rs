@@ -35,12 +35,11 @@ impl IndirectLight {
     pub fn outstanding(
         &mut self,
         configuration: &Configuration,
-        now: &Buckets,
-        right: &Buckets,
-        scale: &Scale,
+        now: (&Buckets, &Scale),
+        right: (&Buckets, &Scale),
         lamps: usize,
     ) -> Indirect {
-        let [now, right] = [now, right].map(|buckets| self.read(configuration, buckets, scale, lamps));
+        let [now, right] = [now, right].map(|(buckets, scale)| self.read(configuration, buckets, scale, lamps));
         let illuminance = |[r, g, b, _]: &[f32; 4]| luminance(glam::DVec3::from_array([*r, *g, *b].map(f64::from)));
         let at = |light: &Option<Arc<[[f32; 4]]>>, point: usize| light.as_ref().map_or(0.0, |light| illuminance(&light[point]));
         let side = |now: Option<Arc<[[f32; 4]]>>, right: Option<Arc<[[f32; 4]]>>| {

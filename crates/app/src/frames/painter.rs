@@ -131,7 +131,7 @@ impl<'a> Painter<'a> {
             Show::Stale => {
                 self.drain(solution);
                 let right = self.drained.as_ref().map_or(solution.buckets(), |drained| drained.buckets());
-                self.light.outstanding(configuration, solution.buckets(), right, &scale, configuration.lamp_slots())
+                self.light.outstanding(configuration, (solution.buckets(), &scale), (right, &scale), configuration.lamp_slots())
             }
             _ => self.light.read(configuration, solution.buckets(), &scale, configuration.lamp_slots()),
         };

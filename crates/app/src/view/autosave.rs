@@ -26,7 +26,9 @@ enum Order {
 pub struct Autosave {
     path: PathBuf,
     orders: Option<Sender<Order>>,
-    faults: Receiver<String>,
+    results: Receiver<Result<(), String>>,
+    /// Orders that nobody has told the end of; several may be done as one.
+    under_way: bool,
     writer: Option<JoinHandle<()>>,
     first_change: Option<Instant>,
     last_change: Instant,
@@ -61,7 +63,7 @@ impl Autosave {
         let asked = earlier(scene).is_some();
         let path = path_beside(scene);
         let (orders, taken) = channel();
-        let (told, faults) = channel();
+        let (told, results) = channel();
         let writer = {
             let path = path.clone();
             std::thread::spawn(move || {
@@ -76,17 +78,16 @@ impl Autosave {
                         }),
                         None => Ok(()),
                     };
-                    if let Err(fault) = result {
-                        // Nobody listens any more at the very end.
-                        let _ = told.send(format!("changes are not kept: {fault}"));
-                    }
+                    // Nobody listens any more at the very end.
+                    let _ = told.send(result.map_err(|fault| format!("changes are not kept: {fault}")));
                 }
             })
         };
         Autosave {
             path,
             orders: Some(orders),
-            faults,
+            results,
+            under_way: false,
             writer: Some(writer),
             first_change: None,
             last_change: Instant::now(),
@@ -94,11 +95,17 @@ impl Autosave {
         }
     }
 
-    fn order(&self, order: Order) {
+    fn order(&mut self, order: Order) {
         if let Some(orders) = &self.orders {
+            self.under_way = true;
             // The writer ends only with this end of the channel.
             let _ = orders.send(order);
         }
+    }
+
+    /// Whether what was kept of an earlier run waits for an answer.
+    pub fn is_asked(&self) -> bool {
+        self.asked
     }
 
     /// What was kept of an earlier run is here now: it may be written over.
@@ -121,12 +128,15 @@ impl Autosave {
             self.first_change = None;
             self.order(if unsaved { Order::Write(configuration.clone()) } else { Order::Remove });
         }
-        self.faults.try_recv().ok()
+        let result = self.results.try_recv().ok()?;
+        self.under_way = false;
+        // What could not be written is tried again.
+        result.err().inspect(|_| self.changed())
     }
 
     /// Whether a change waits to be kept.
     pub fn waits(&self) -> bool {
-        self.first_change.is_some() && !self.asked
+        (self.first_change.is_some() || self.under_way) && !self.asked
     }
 
     /// Keeps the changes at once; where they are.

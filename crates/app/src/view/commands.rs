@@ -221,9 +221,9 @@ pub const MOUSE: [(&str, &str); 14] = [
     ("Right click while dragging; Esc", "put it back"),
 ];
 
-/// The command whose key was pressed, taken out of the input. Keys without Ctrl are left to a text that is being typed.
-pub fn pressed(ctx: &egui::Context) -> Vec<Command> {
-    let typing = ctx.egui_wants_keyboard_input();
+/// The commands whose keys were pressed, taken out of the input. While a text is typed or a menu is open (`busy`), keys without Ctrl
+/// belong to that, and so do undo and redo.
+pub fn pressed(ctx: &egui::Context, busy: bool) -> Vec<Command> {
     // Those with more modifiers first: Ctrl+Z is also in Ctrl+Shift+Z.
     let mut entries: Vec<&Entry> = TABLE.iter().filter(|e| e.key.is_some()).collect();
     entries.sort_by_key(|e| std::cmp::Reverse(e.key.map_or(0, |k| u8::from(k.modifiers.shift) + u8::from(k.modifiers.command))));
@@ -231,7 +231,8 @@ pub fn pressed(ctx: &egui::Context) -> Vec<Command> {
     ctx.input_mut(|input| {
         let hit = |e: &&&Entry| {
             let Some(key) = e.key else { return false };
-            let allowed = !typing || key.modifiers.command || function_key(key.logical_key);
+            let text_has_it_too = matches!(e.command, Command::Undo | Command::Redo);
+            let allowed = !busy || (key.modifiers.command && !text_has_it_too) || function_key(key.logical_key);
             allowed && input.consume_shortcut(&key)
         };
         entries.iter().filter(hit).map(|e| e.command).collect()

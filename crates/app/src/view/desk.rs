@@ -22,14 +22,14 @@ use std::path::PathBuf;
 pub enum Request {
     /// Write what is seen.
     Picture { path: PathBuf, exr: bool },
-    /// Another scene instead of this one. `save_as` is where Save writes.
-    Open { scene: PathBuf, save_as: PathBuf },
+    /// Another scene instead of this one. `save_as` is where Save writes; `thrown_away` says that what is not saved of this one is.
+    Open { scene: PathBuf, save_as: PathBuf, thrown_away: bool },
     /// Full screen, and back.
     FullScreen,
     /// Take the graphics device anew.
     RestartGraphics,
-    /// The end.
-    Quit,
+    /// The end; `thrown_away` says that what is not saved is.
+    Quit { thrown_away: bool },
 }
 
 /// How frames come along.
@@ -80,6 +80,10 @@ pub struct Desk {
     /// Photons and rays a second.
     pub rates: panels::Rates,
     pictures: u32,
+    /// A text was being typed in the frame before.
+    typed: bool,
+    /// Somebody walked in the frame before.
+    walked: bool,
 }
 
 impl Desk {
@@ -100,6 +104,8 @@ impl Desk {
             dialog: None,
             rates: panels::Rates::default(),
             pictures: 0,
+            typed: false,
+            walked: false,
         }
     }
 
@@ -110,8 +116,11 @@ impl Desk {
         for file in dropped {
             self.drop_file(file.path().to_owned());
         }
+        let typing = ctx.egui_wants_keyboard_input();
+        // Escape ends typing before anyone is told of it: it means no more than that.
+        let busy = typing || std::mem::replace(&mut self.typed, typing) || egui::Popup::is_any_open(&ctx);
         if self.dialog.is_none() {
-            for command in commands::pressed(&ctx) {
+            for command in commands::pressed(&ctx, busy) {
                 self.run(command);
             }
         }
@@ -287,10 +296,12 @@ impl Desk {
 
     /// The end, once what is not saved was asked for.
     pub fn quit(&mut self) {
-        if self.session.is_changed() {
-            self.dialog = Some(Dialog::Unsaved(Request::Quit));
+        // What was kept of an earlier run stays where it is, for the next one to ask.
+        let asked = matches!(self.dialog, Some(Dialog::Kept { .. }));
+        if self.session.is_changed() && !asked {
+            self.dialog = Some(Dialog::Unsaved(Request::Quit { thrown_away: false }));
         } else {
-            self.requests.push(Request::Quit);
+            self.requests.push(Request::Quit { thrown_away: false });
         }
     }
 
@@ -390,6 +401,9 @@ impl Desk {
 
     /// A file was dropped on the window.
     fn drop_file(&mut self, path: PathBuf) {
+        if self.dialog.is_some() {
+            return self.session.messages.fail("answer the question first, then drop it again".into());
+        }
         match path.extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
             Some("obj") => self.dialog = Some(Dialog::chosen_object(&self.session, path)),
             Some("ies") => match self.session.selection {
@@ -407,19 +421,25 @@ impl Desk {
         let rect = self.viewport.rect;
         let blocked = self.dialog.is_some() || egui::Popup::is_any_open(&ctx);
         let panels = ui.layer_id();
-        let free = |at: Pos2| !blocked && rect.contains(at) && ctx.layer_id_at(at).is_none_or(|layer| layer == panels);
+        // The panel's edge is pulled from both sides of it.
+        let grip = ctx.global_style().interaction.resize_grab_radius_side + 1.0;
+        let inner = Rect::from_min_max(rect.min, rect.max - vec2(grip, 0.0));
+        let free = |at: Pos2| !blocked && inner.contains(at) && ctx.layer_id_at(at).is_none_or(|layer| layer == panels);
         let (events, pointer, modifiers) = ctx.input(|i| (i.events.clone(), i.pointer.latest_pos(), i.modifiers));
         self.viewport.hold(modifiers);
         self.viewport.take(&mut self.session, &events, &free);
         self.viewport.hover(&mut self.session, pointer, &free);
         let mut walks = false;
         if self.dialog.is_none() && !ctx.egui_wants_keyboard_input() {
+            // The first step is no longer than a frame, however long nothing was drawn before it.
+            let seconds = seconds.min(if self.walked { 0.2 } else { 1.0 / self.fps });
             walks = ctx.input(|i| {
                 let down = |key: Key| !i.modifiers.command && i.key_down(key);
-                self.viewport.walk(&mut self.session, &down, i.modifiers.shift, seconds.min(0.2))
+                self.viewport.walk(&mut self.session, &down, i.modifiers.shift, seconds)
             });
             self.plain_keys(&ctx);
         }
+        self.walked = walks;
         if self.session.history.is_open()
             && self.session.playback.is_none()
             && !self.viewport.is_busy()
@@ -493,6 +513,9 @@ impl Desk {
         let painter = ui.painter_at(self.viewport.rect);
         let mut bottom = self.viewport.rect.left_bottom() + vec2(12.0, -12.0);
         let width = (self.viewport.rect.width() - 40.0).max(10.0);
+        if let Some(rest) = self.session.messages.next_goes_in() {
+            ui.ctx().request_repaint_after(rest);
+        }
         let shown: Vec<(Kind, String)> = self.session.messages.current().map(|(kind, text)| (kind, text.to_owned())).collect();
         for (kind, text) in shown.into_iter().rev() {
             let colour = match kind {
@@ -509,11 +532,15 @@ impl Desk {
     }
 
     /// Another scene on the desk; the rest stays as it is set.
-    pub fn take(&mut self, session: Session) {
+    pub fn take(&mut self, mut session: Session) {
+        // What was held belongs to the scene that goes.
+        self.viewport.let_go(&mut self.session);
+        self.viewport.hovered = None;
+        self.dialog = None;
         session.light.show(self.show);
+        session.snapping = self.session.snapping;
         session.solver.control(self.session.solver.controls());
         self.session = session;
-        self.viewport.let_go(&mut self.session);
         self.found_range = None;
         self.rates = panels::Rates::default();
     }

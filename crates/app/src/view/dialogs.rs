@@ -306,7 +306,7 @@ fn chosen(desk: &mut Desk, purpose: Purpose, path: &Path) {
 
 /// Another scene instead of this one, once what is not saved was asked for.
 pub fn open(desk: &mut Desk, path: &Path) {
-    let request = Request::Open { scene: path.to_owned(), save_as: path.to_owned() };
+    let request = Request::Open { scene: path.to_owned(), save_as: path.to_owned(), thrown_away: false };
     if desk.session.is_changed() {
         desk.dialog = Some(Dialog::Unsaved(request));
     } else {
@@ -343,7 +343,11 @@ fn unsaved(desk: &mut Desk, ui: &mut Ui, then: &Request) -> bool {
     ui.label("Save the changes?");
     let mut answered = false;
     ui.horizontal(|ui| {
-        let save = ui.button("Save").clicked() || ui.input(|i| i.key_pressed(Key::Enter));
+        let button = ui.button("Save");
+        if ui.memory(|m| m.focused().is_none()) {
+            button.request_focus();
+        }
+        let save = button.clicked();
         let path = desk.session.path.clone();
         if save {
             let saved = desk.session.save(&path);
@@ -353,8 +357,11 @@ fn unsaved(desk: &mut Desk, ui: &mut Ui, then: &Request) -> bool {
             }
             desk.told(saved);
         } else if ui.button("Throw them away").clicked() {
-            desk.session.forget();
-            desk.requests.push(then.clone());
+            desk.requests.push(match then.clone() {
+                Request::Open { scene, save_as, .. } => Request::Open { scene, save_as, thrown_away: true },
+                Request::Quit { .. } => Request::Quit { thrown_away: true },
+                other => other,
+            });
             answered = true;
         } else if ui.button("Cancel").clicked() {
             answered = true;
@@ -369,10 +376,11 @@ fn kept(desk: &mut Desk, ui: &mut Ui, scene: &Path, autosave: &Path) -> bool {
     let mut answered = false;
     ui.horizontal(|ui| {
         if ui.button("Go on with them").on_hover_text("Nothing is written to the scene's file until it is saved").clicked() {
-            desk.requests.push(Request::Open { scene: autosave.to_owned(), save_as: scene.to_owned() });
+            let request = Request::Open { scene: autosave.to_owned(), save_as: scene.to_owned(), thrown_away: false };
+            desk.requests.push(request);
             answered = true;
         } else if ui.button("Throw them away").clicked() {
-            desk.session.forget();
+            desk.session.forget_earlier();
             answered = true;
         }
     });

@@ -141,7 +141,8 @@ impl Model {
     pub fn add(&self, session: &mut Session) -> Result<(), SceneError> {
         let Ok(model) = &self.read else { return Ok(()) };
         let up = session.scene.up;
-        let name = session.free_object_name(self.name.trim());
+        let wanted = self.name.trim();
+        let name = session.free_object_name(if wanted.is_empty() { "object" } else { wanted });
         let (turn, scale) = (self.turn(up), self.unit.metres());
         let mut mesh = Mesh::merged(model.parts.iter().map(|part| &part.mesh));
         // It stands on its origin, in the middle.
@@ -161,7 +162,12 @@ impl Model {
             let known = model.materials.iter().find(|m| m.name == *material);
             let reflectance = known.map_or(DVec3::splat(0.5), |m| DVec3::from_array(m.reflectance));
             let texture = known.and_then(|m| m.texture.as_ref()).map(|t| format::path_from(&folder, t)).transpose()?;
-            let own = session.free_material_name(&format!("{name}, {material}"));
+            let taken = |own: &str, edits: &[Edit]| edits.iter().any(|edit| edit.subject() == own);
+            let numbered = (2u64..).map(|n| format!("{name}, {material} ({n})"));
+            let own = std::iter::once(format!("{name}, {material}"))
+                .chain(numbered)
+                .find(|own| session.free_material_name(own) == *own && !taken(own, &edits))
+                .unwrap_or_default();
             *material = own.clone();
             edits.push(Edit::AddMaterial { name: own, reflectance, texture });
         }
@@ -188,8 +194,11 @@ impl Model {
         if session.perform(format!("Add {name}"), edits) {
             session.selection = session.configuration.object_id(&name).ok().map(Selection::Object);
             session.messages.say(format!("Added {name}: drag it where it belongs"));
+            return Ok(());
         }
-        Ok(())
+        // Why was told; the file is of no use then.
+        let _ = std::fs::remove_file(&path);
+        Err(SceneError::Edit(format!("{name} was not added")))
     }
 
     /// On what is level where the camera looks, or below that.

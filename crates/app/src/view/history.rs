@@ -28,6 +28,23 @@ pub struct History {
     before_open: Vec<Action>,
 }
 
+/// Whether after `later` nothing is left of `earlier`: the same thing was put somewhere else, turned otherwise, dimmed again.
+pub fn overtakes(later: &Edit, earlier: &Edit) -> bool {
+    let wholly = matches!(
+        later,
+        Edit::Move { .. }
+            | Edit::Turn { .. }
+            | Edit::Put { .. }
+            | Edit::Reflect { .. }
+            | Edit::Texture { .. }
+            | Edit::MoveLamp { .. }
+            | Edit::TurnLamp { .. }
+            | Edit::Light { .. }
+            | Edit::Switch { .. }
+    );
+    wholly && discriminant(later) == discriminant(earlier) && later.subject() == earlier.subject()
+}
+
 /// Edits that, one after the other, lead from `before` and all of `edits` back to `before`.
 fn backward(before: &Configuration, edits: &[Edit]) -> Result<Vec<Edit>, SceneError> {
     let mut configuration = before.clone();
@@ -61,7 +78,7 @@ impl History {
         if let Some(action) = self.done.last_mut() {
             // All of an action are about one thing: what it moves, or the riders that it gathers first.
             match action.forward.last_mut() {
-                Some(last) if discriminant(last) == discriminant(&edit) && last.subject() == edit.subject() => *last = edit,
+                Some(last) if overtakes(&edit, last) => *last = edit,
                 _ => action.forward.push(edit),
             }
         }

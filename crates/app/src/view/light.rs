@@ -2,7 +2,10 @@
 //!
 //! It sleeps while the light is exact and nothing changes.
 
-use super::recovery::{Recovery, Trace};
+use super::{
+    recovery::{Recovery, Trace},
+    session::Start,
+};
 use crate::{failure::Failure, frames::Show, indirect::IndirectLight};
 use lightmend_photon::{
     body::TreePreset,
@@ -76,10 +79,10 @@ const OFTEN: Duration = Duration::from_millis(25);
 const BUSY: u32 = 4;
 
 impl LightReader {
-    /// Reads the light of `solver`, which holds `pool`. `wake` is called whenever something new is ready.
+    /// Reads the light of `solver`, which was started so. `wake` is called whenever something new is ready.
     pub fn start(
         solver: Arc<Solver>,
-        pool: Pool,
+        start: Start,
         configuration: Configuration,
         view: View,
         wake: impl Fn() + Send + Sync + 'static,
@@ -97,10 +100,14 @@ impl LightReader {
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new(), ready: Mutex::new(None) });
         let fault = |e: &dyn std::fmt::Display| Failure::failed(format!("threads cannot be started: {e}"));
         // Drawing comes first, then this, then photons.
-        let threads = rayon::ThreadPoolBuilder::new().start_handler(|_| give_way(HALFWAY)).build().map_err(|e| fault(&e))?;
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(start.threads)
+            .start_handler(|_| give_way(HALFWAY))
+            .build()
+            .map_err(|e| fault(&e))?;
         let thread = {
             let shared = shared.clone();
-            let read = move || threads.install(|| Reader::new(&shared, &solver, pool).run(&wake));
+            let read = move || threads.install(|| Reader::new(&shared, &solver, start.pool).run(&wake));
             std::thread::Builder::new().name("lightmend-light".into()).spawn(read).map_err(|e| fault(&e))?
         };
         Ok(LightReader { shared, thread: Some(thread) })
@@ -200,13 +207,18 @@ impl<'a> Reader<'a> {
                 |s: &Arc<Snapshot>| last.as_ref().is_some_and(|(version, l)| *version == wanted.version && Arc::ptr_eq(l, s));
             if let Some(snapshot) = snapshot.filter(|s| !known(s)) {
                 let ready = self.read(&wanted, snapshot.clone());
-                *lock(&self.shared.ready) = Some(Arc::new(ready));
+                // Nobody waits at the lock while the old one is freed.
+                let old = lock(&self.shared.ready).replace(Arc::new(ready));
+                drop(old);
                 wake();
-                last = Some((wanted.version, snapshot));
+                // What is still wrong is not known until its comparison was shot.
+                let known = wanted.show != Show::Stale || self.compared_with(&wanted.configuration);
+                last = known.then_some((wanted.version, snapshot));
                 rest = rest.max(start.elapsed() * (BUSY - 1));
             }
-            let settled =
-                last.as_ref().is_some_and(|(version, s)| *version == wanted.version && s.exact && s.edits >= wanted.edits);
+            let settled = last.as_ref().is_some_and(|(version, s)| {
+                *version == wanted.version && (s.exact || self.solver.controls().paused) && s.edits >= wanted.edits
+            });
             let now = lock(&self.shared.wanted);
             if settled && now.version == wanted.version && !now.stop {
                 drop(self.shared.changed.wait(now));
@@ -232,8 +244,8 @@ impl<'a> Reader<'a> {
             Show::Elements => Vec::new(),
             Show::Stale => match self.exact(wanted) {
                 Some(exact) => {
-                    let right = exact.buckets().clone();
-                    self.light.outstanding(configuration, &snapshot.buckets, &right, &scale, lamps)
+                    let right = (exact.buckets().clone(), Scale::new(exact.world(), exact.pool().photons()));
+                    self.light.outstanding(configuration, (&snapshot.buckets, &scale), (&right.0, &right.1), lamps)
                 }
                 None => Vec::new(),
             },
@@ -248,10 +260,14 @@ impl<'a> Reader<'a> {
         Ready { snapshot, indirect, spread: self.spread.1, trace }
     }
 
+    /// Whether the pool that light is compared with was shot at this scene.
+    fn compared_with(&self, configuration: &Configuration) -> bool {
+        self.exact.as_ref().is_some_and(|s| s.world().configuration() == configuration)
+    }
+
     /// A pool shot at the newest scene once nothing moves: what the repair comes to in the end.
     fn exact(&mut self, wanted: &Wanted) -> Option<&Solution> {
-        let fresh = self.exact.as_ref().is_some_and(|s| *s.world().configuration() == wanted.configuration);
-        if !fresh && wanted.edited.elapsed() > Duration::from_millis(200) {
+        if !self.compared_with(&wanted.configuration) && wanted.edited.elapsed() > Duration::from_millis(200) {
             let world = Arc::new(World::new(&wanted.configuration, TreePreset::default()));
             let stopped = || {
                 let now = lock(&self.shared.wanted);
@@ -260,6 +276,6 @@ impl<'a> Reader<'a> {
             self.exact = Solution::shoot(self.pool, world, FirstHits::AsLampsSay, &mut |_, _| !stopped())
                 .filter(|s| s.pool().photons() == self.pool.photons());
         }
-        self.exact.as_ref().filter(|s| *s.world().configuration() == wanted.configuration)
+        self.exact.as_ref().filter(|_| self.compared_with(&wanted.configuration))
     }
 }

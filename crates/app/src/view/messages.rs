@@ -13,6 +13,11 @@ pub enum Kind {
     Failure,
 }
 
+/// How long it is shown.
+fn lasts(kind: Kind) -> Duration {
+    Duration::from_secs(if kind == Kind::Note { 4 } else { 12 })
+}
+
 /// Messages that are shown.
 #[derive(Debug, Default)]
 pub struct Messages {
@@ -45,9 +50,13 @@ impl Messages {
         self.add(Kind::Failure, text);
     }
 
+    /// When the next one goes.
+    pub fn next_goes_in(&self) -> Option<Duration> {
+        self.shown.iter().map(|(kind, _, since)| lasts(*kind).saturating_sub(since.elapsed())).min()
+    }
+
     /// What is to be shown now. A note goes after a while, a failure later.
     pub fn current(&mut self) -> impl Iterator<Item = (Kind, &str)> {
-        let lasts = |kind: Kind| Duration::from_secs(if kind == Kind::Note { 4 } else { 12 });
         self.shown.retain(|(kind, _, since)| since.elapsed() < lasts(*kind));
         self.shown.iter().map(|(kind, text, _)| (*kind, text.as_str()))
     }

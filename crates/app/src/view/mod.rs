@@ -104,9 +104,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         session.play(script)?;
     }
     let desk = Desk::new(session, arguments.show, arguments.fps);
-    let mut app = App::new(desk, start, arguments.size, proxy);
-    event_loop.run_app(&mut app).map_err(|e| no_window(&e))?;
-    finish(arguments, app)
+    let mut app = App::new(desk, start, arguments.pool, arguments.size, proxy);
+    let ran = event_loop.run_app(&mut app).map_err(|e| no_window(&e));
+    // What was done is written, whatever became of the window.
+    let finished = finish(arguments, app);
+    ran.and(finished)
 }
 
 /// What is written at the end.

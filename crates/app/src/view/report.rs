@@ -54,7 +54,10 @@ impl Report {
         let work = ready.as_ref().map_or([0, 0], |ready| [ready.snapshot.work.photons, ready.snapshot.work.rays]);
         let open = session.history.is_open();
         let title = session.history.last_done().unwrap_or_default();
-        if open && !(self.going_on && self.stretches.last().is_some_and(|s| s.title == title)) && self.stretches.len() < MOST {
+        let full = self.stretches.len() >= MOST;
+        if full {
+            // Nothing more is added.
+        } else if open && !(self.going_on && self.stretches.last().is_some_and(|s| s.title == title)) {
             self.stretches.push(Stretch {
                 title: title.to_owned(),
                 began: now,
@@ -126,7 +129,8 @@ fn quantile(values: &[f64], share: f64) -> Option<f64> {
 impl Stretch {
     fn json(&self) -> Value {
         let seconds = (self.ended - self.began).as_secs_f64();
-        let rate = |n: usize| if seconds > 0.0 { Some((self.work[1][n] - self.work[0][n]) as f64 / seconds) } else { None };
+        let rate =
+            |n: usize| if seconds > 0.0 { Some(self.work[1][n].saturating_sub(self.work[0][n]) as f64 / seconds) } else { None };
         let shares = |values: &[f64]| json!({ "median": quantile(values, 0.5), "percentile_99": quantile(values, 0.99), "longest": quantile(values, 1.0) });
         let names = ["events_and_panels", "preparation", "prepass", "shadows", "composition", "exposure", "tone", "showing"];
         let pass = |n: usize| quantile(&self.passes.iter().map(|p| p[n]).collect::<Vec<_>>(), 0.5);

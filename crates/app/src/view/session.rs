@@ -4,7 +4,7 @@
 
 use super::{
     autosave::Autosave,
-    history::{Action, History},
+    history::{self, Action, History},
     light::LightReader,
     messages::Messages,
     navigation::Navigation,
@@ -126,7 +126,7 @@ impl Session {
         let solver = Arc::new(solver);
         let view = scene.cameras.first().map_or_else(|| some_view(&configuration), |(_, view)| *view);
         let navigation = Navigation::new(view, scene.up, configuration.reach());
-        let light = LightReader::start(solver.clone(), start.pool, configuration.clone(), view, wake)?;
+        let light = LightReader::start(solver.clone(), start, configuration.clone(), view, wake)?;
         Ok(Session {
             autosave: Autosave::beside(&path),
             path,
@@ -193,6 +193,14 @@ impl Session {
         };
         self.world = Some(world.clone());
         world
+    }
+
+    /// Trees of the scene, of now or of shortly before: for what may be a frame late.
+    pub fn recent_world(&mut self) -> Arc<World> {
+        match &self.world {
+            Some(world) => world.clone(),
+            None => self.world(),
+        }
     }
 
     /// Takes what an edit made of the scene, and tells everyone.
@@ -265,9 +273,7 @@ impl Session {
         }
         // A slider tells of every frame; what is recorded of it follows a few times a second, and its end to the bit.
         let now = self.now();
-        let same = |waiting: &Edit| {
-            std::mem::discriminant(waiting) == std::mem::discriminant(&edit) && waiting.subject() == edit.subject()
-        };
+        let same = |waiting: &Edit| history::overtakes(&edit, waiting);
         self.waiting = match self.waiting.take() {
             Some((at, waiting, start)) if same(&waiting) && now - at < RECORDED_OFTEN => Some((at, edit.clone(), start)),
             other => {
@@ -330,6 +336,7 @@ impl Session {
 
     /// Undoes the last action.
     pub fn undo(&mut self) {
+        self.stop_playing();
         match self.history.undo() {
             Ok(Some(Action { title, backward, .. })) => {
                 self.light.begins();
@@ -349,6 +356,7 @@ impl Session {
 
     /// Does again what was undone last.
     pub fn redo(&mut self) {
+        self.stop_playing();
         match self.history.redo() {
             Ok(Some(Action { title, forward, .. })) => {
                 self.light.begins();
@@ -448,13 +456,19 @@ impl Session {
     /// Writes the scene as it is; from now on that is its file.
     pub fn save(&mut self, path: &Path) -> Result<(), SceneError> {
         let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+        if path.to_string_lossy().ends_with(".autosave.ron") {
+            return Err(SceneError::content(path, "is a name of what is kept by itself; save the scene under another one"));
+        }
         let mut file = self.configuration.to_file();
         file.relocate(&folder(&self.scene.path), &folder(path))?;
         write_ron(path, &file)?;
         (self.saved, self.unsaved) = (self.configuration.clone(), false);
         self.autosave.remove();
-        if path != self.path {
+        let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+        if !same(path, &self.path) {
             self.autosave = Autosave::beside(path);
+            // What was kept for the file that this one replaces is of no use any more.
+            self.autosave.taken_over();
             self.path = path.to_owned();
         }
         self.messages.say(format!("Saved: {}", path.display()));
@@ -473,8 +487,15 @@ impl Session {
         })
     }
 
-    /// Nothing needs to be kept: what is not saved was thrown away on purpose.
-    pub fn forget(&mut self) {
+    /// It is over: nothing needs to be kept if nothing is unsaved, or if that is thrown away on purpose.
+    pub fn leave(&mut self, thrown_away: bool) {
+        if thrown_away || !(self.is_changed() || self.autosave.is_asked()) {
+            self.autosave.remove();
+        }
+    }
+
+    /// What was kept of an earlier run is thrown away on purpose.
+    pub fn forget_earlier(&mut self) {
         self.autosave.remove();
     }
 

@@ -445,12 +445,15 @@ fn changes_are_kept_until_they_are_saved() {
     assert!(matches!(super::dialogs::kept_before(&trial.desk.session.path), Some(Dialog::Kept { .. })));
     // Quitting asks.
     trial.desk.run(Command::Quit);
-    assert!(trial.desk.requests.is_empty() && matches!(trial.desk.dialog, Some(Dialog::Unsaved(Request::Quit))));
+    assert!(
+        trial.desk.requests.is_empty()
+            && matches!(trial.desk.dialog, Some(Dialog::Unsaved(Request::Quit { thrown_away: false })))
+    );
     trial.desk.dialog = None;
     trial.desk.run(Command::Save);
     wait(&mut trial, false);
     trial.desk.run(Command::Quit);
-    assert_eq!(trial.desk.requests, [Request::Quit]);
+    assert_eq!(trial.desk.requests, [Request::Quit { thrown_away: false }]);
 }
 
 #[test]
@@ -479,6 +482,65 @@ fn what_was_kept_of_an_earlier_run_is_not_written_over_unasked() {
     let beside = trial.desk.session.keep().unwrap();
     assert!(beside != earlier(trial.folder.path()) && Scene::read(&beside).is_ok());
     assert!(std::fs::read(earlier(trial.folder.path())).unwrap() == kept);
+}
+
+#[test]
+fn scripts_that_change_a_thing_twice_are_undone_to_the_bit() {
+    let mut trial = Trial::new();
+    let script = trial.folder.path().join("twice.ron");
+    let text = r#"(edits: [
+        (at: 0.0, edit: Relamp(lamp: "pendant", photometry: "ies/washer.ies", intensity: (2.0, 2.0, 2.0))),
+        (at: 0.01, edit: Relamp(lamp: "pendant", photometry: "ies/reading.ies")),
+        (at: 0.02, edit: Paint(object: "table")),
+        (at: 0.03, edit: Paint(object: "table", material: "pine")),
+        (at: 0.04, edit: Light(lamp: "washer", intensity: (1.0, 0.0, 0.0))),
+        (at: 0.05, edit: Light(lamp: "washer", intensity: (0.0, 1.0, 0.0))),
+    ])"#;
+    std::fs::write(&script, text).unwrap();
+    let before = trial.state();
+    trial.desk.session.play(&script).unwrap();
+    for _ in 0..10 {
+        trial.frame([]);
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let after = trial.state();
+    assert!(trial.desk.session.playback.is_none() && after != before);
+    assert!(trial.replayed() == after);
+    trial.desk.session.undo();
+    assert!(trial.state() == before);
+}
+
+#[test]
+fn questions_cannot_be_got_round() {
+    let mut trial = Trial::new();
+    let table = trial.seen("table");
+    trial.click(table);
+    trial.desk.run(Command::Help);
+    trial.frame([]);
+    let before = trial.state();
+    let wheel = Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 1.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    };
+    trial.frame([wheel]);
+    assert!(trial.state() == before, "the help is scrolled, the table is not turned");
+    trial.desk.dialog = None;
+    trial.frame([]);
+    // What is kept by itself is no place to save to.
+    let kept = trial.folder.path().join("room.autosave.ron");
+    assert!(trial.desk.session.save(&kept).is_err() && !kept.exists());
+    // Another scene in the middle of a drag: what was held goes with the old one.
+    trial.press(table, PointerButton::Primary);
+    trial.point(table + vec2(30.0, 0.0));
+    let path = trial.folder.path().join("room.ron");
+    let other = Session::start(Scene::read(&path).unwrap().0, path, start(), || {}).unwrap();
+    trial.desk.take(other);
+    trial.point(table + vec2(60.0, 0.0));
+    trial.release(table, PointerButton::Primary);
+    assert!(!trial.desk.session.is_changed() && trial.desk.session.selection.is_none());
 }
 
 #[test]

@@ -99,7 +99,7 @@ impl Viewport {
     /// Lamps in the picture, as they can be clicked.
     pub fn marks(&self, session: &mut Session) -> Vec<Mark> {
         let Some(camera) = self.camera(session) else { return Vec::new() };
-        let world = session.world();
+        let world = if self.is_busy() { session.recent_world() } else { session.world() };
         let lamps = session.configuration.lamps();
         let marks = lamps.filter_map(|(lamp, _)| {
             let position = session.configuration.lamp_motion(lamp).translation;
@@ -193,12 +193,14 @@ impl Viewport {
             (PointerButton::Middle, under) => Doing::Orbit(self.orbited(session, under.map(|u| u.1))),
             (PointerButton::Primary, under) if modifiers.alt => Doing::Orbit(self.orbited(session, under.map(|u| u.1))),
             (PointerButton::Primary, Some((selection @ Selection::Lamp(id), held))) => {
+                session.stop_playing();
                 session.selection = Some(selection);
                 Doing::Lamp { id, held }
             }
             (PointerButton::Primary, Some((selection @ Selection::Object(id), held)))
                 if session.configuration.object(id).movable =>
             {
+                session.stop_playing();
                 session.selection = Some(selection);
                 if session.snapping {
                     let title = move_title(session, id);
@@ -302,7 +304,9 @@ impl Viewport {
                 session.go_on(&move_title(session, grip.object), edit);
             }
         }
-        session.end();
+        if matches!(gesture.doing, Doing::Object(_) | Doing::Lamp { .. }) {
+            session.end();
+        }
     }
 
     /// The gesture is over, and what it moved is back where it was. Whether there was one.
@@ -321,7 +325,7 @@ impl Viewport {
             _ => None,
         });
         let selected = match session.selection {
-            Some(Selection::Object(id)) if over == session.selection => Some(id),
+            Some(Selection::Object(id)) if over == session.selection && self.over_room(free) => Some(id),
             _ => None,
         };
         if let Some(id) = held.or(selected).filter(|id| session.configuration.object(*id).movable) {

@@ -13,7 +13,7 @@ use super::{
     report::Report,
     session::{Selection, Session, Start},
 };
-use crate::{failure::Failure, frames, output, progress};
+use crate::{PoolArguments, failure::Failure, frames, output, progress};
 use egui::{Color32, Context, ViewportId};
 use egui_winit::winit::{
     application::ApplicationHandler,
@@ -26,7 +26,7 @@ use lightmend_raster::{Device, Mark, RasterError, Renderer, Screen, Settings};
 use lightmend_scene::{Scene, View};
 use std::{
     collections::VecDeque,
-    path::Path,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -59,6 +59,7 @@ pub struct App {
     pub report: Report,
     pub failure: Option<Failure>,
     start: Start,
+    pool: PoolArguments,
     size: [u32; 2],
     proxy: EventLoopProxy<Wake>,
     window: Option<Arc<Window>>,
@@ -90,13 +91,14 @@ const MOST_LOST: u32 = 3;
 
 impl App {
     /// Before its window is open.
-    pub fn new(desk: Desk, start: Start, size: [u32; 2], proxy: EventLoopProxy<Wake>) -> App {
+    pub fn new(desk: Desk, start: Start, pool: PoolArguments, size: [u32; 2], proxy: EventLoopProxy<Wake>) -> App {
         App {
             governor: Governor::new(desk.fps, true),
             desk,
             report: Report::default(),
             failure: None,
             start,
+            pool,
             size,
             proxy,
             window: None,
@@ -148,10 +150,14 @@ impl App {
         self.governor = Governor::new(self.desk.fps, device.on_processor);
         self.graphics = Some(Graphics { device, screen, renderer, panels, egui, context });
         (self.drawn, self.light, self.stirred) = (None, None, true);
+        // The new panels know of no button that is down: nobody would tell of its release.
+        self.desk.viewport.let_go(&mut self.desk.session);
         Ok(())
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, failure: Failure) {
+        let kept = self.desk.session.keep().map(|path| format!("what was not saved is kept in {}", path.display()));
+        let failure = kept.map_or(Failure::failed(&failure), |kept| Failure::failed(&failure).with(&kept));
         self.failure.get_or_insert(failure);
         event_loop.exit();
     }
@@ -167,6 +173,14 @@ impl App {
                 if let Err(failure) = self.open(event_loop) {
                     self.fail(event_loop, failure);
                 }
+            }
+            // What was added last is more than the device can hold.
+            Err(error @ (RasterError::TooLarge { .. } | RasterError::Lamps { .. }))
+                if self.desk.session.history.last_done().is_some() =>
+            {
+                self.desk.session.undo();
+                self.desk.session.messages.fail(error.to_string());
+                self.stirred = true;
             }
             Err(error) => self.fail(event_loop, error.into()),
         }
@@ -268,14 +282,17 @@ impl App {
         }
         // Light that came in is shown when it is time for it.
         let ready = session.light.ready();
-        let coming = ready.as_ref().is_none_or(|ready| !ready.snapshot.exact || ready.snapshot.edits < session.edits());
+        let coming = self.coming(ready.as_deref());
         let new = ready.filter(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, ready)));
         let lit = new.filter(|_| self.light.is_none() || !coming || self.lit.elapsed() >= self.governor.pause_for_light());
+        // Twice as many samples along each side may be more than a texture can have.
+        let too_large = |quality: Quality| size.iter().any(|side| side * quality.grid > renderer.device().largest_side());
         let quality = if self.drawn.is_none() || self.governor.is_moving() || lit.is_some() || self.governor.wants_finer(coming) {
             self.governor.quality(coming)
         } else {
             self.quality
         };
+        let quality = if too_large(quality) { Quality { grid: 1, ..quality } } else { quality };
         let shown = self.shown_settings(quality.pixels(size), quality.grid);
         let wanted = Drawn { revision, view, settings: shown };
         if self.drawn.as_ref() == Some(&wanted) && lit.is_none() {
@@ -304,6 +321,13 @@ impl App {
         }
         self.desk.pace = Pace { times, pixels: [shown.width, shown.height], samples: shown.grid, ..self.desk.pace };
         Ok(Some(took))
+    }
+
+    /// Whether more light will come by itself.
+    fn coming(&self, ready: Option<&Ready>) -> bool {
+        let session = &self.desk.session;
+        let paused = session.solver.controls().paused;
+        ready.is_none_or(|ready| !(ready.snapshot.exact || paused) || ready.snapshot.edits < session.edits())
     }
 
     fn shown_settings(&self, size: [u32; 2], grid: u32) -> Settings {
@@ -352,7 +376,7 @@ impl App {
         for request in std::mem::take(&mut self.desk.requests) {
             self.stirred = true;
             match request {
-                Request::Quit => event_loop.exit(),
+                Request::Quit { thrown_away } => self.quit(event_loop, thrown_away),
                 Request::FullScreen => {
                     let fullscreen = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
                     window.set_fullscreen(fullscreen);
@@ -362,12 +386,14 @@ impl App {
                         graphics.device.lose();
                     }
                 }
-                Request::Open { scene, save_as } => match self.session(&scene, &save_as) {
-                    Ok(session) => {
-                        self.desk.take(session);
-                        (self.drawn, self.light) = (None, None);
+                Request::Open { scene, save_as, thrown_away } => match self.session(&scene, &save_as) {
+                    Ok(session) => self.take(session, thrown_away, scene == save_as),
+                    Err(failure) => {
+                        self.desk.session.messages.fail(failure.to_string());
+                        if scene != save_as {
+                            self.desk.dialog = dialogs::kept_before(&save_as);
+                        }
                     }
-                    Err(failure) => self.desk.session.messages.fail(failure.to_string()),
                 },
                 Request::Picture { path, exr } => {
                     let written = self.picture(&path, exr);
@@ -386,6 +412,30 @@ impl App {
         Ok(())
     }
 
+    /// The end. What is not saved was thrown away, or there is nothing.
+    fn quit(&mut self, event_loop: &ActiveEventLoop, thrown_away: bool) {
+        self.desk.session.leave(thrown_away);
+        event_loop.exit();
+    }
+
+    /// Another scene instead of this one. `asks` about what was kept of an earlier run of it.
+    fn take(&mut self, mut session: Session, thrown_away: bool, asks: bool) {
+        let old = &mut self.desk.session;
+        if let Some(record) = old.record.clone() {
+            match old.write_recording(&record) {
+                // What follows is about another scene: a file of its own.
+                Ok(()) => session.record = Some(next_name(&record)),
+                Err(error) => session.messages.fail(error.to_string()),
+            }
+        }
+        old.leave(thrown_away);
+        self.desk.take(session);
+        if asks {
+            self.desk.dialog = dialogs::kept_before(&self.desk.session.path);
+        }
+        (self.drawn, self.light) = (None, None);
+    }
+
     fn session(&self, scene: &Path, save_as: &Path) -> Result<Session, Failure> {
         let (read, warnings) = Scene::read(scene)?;
         let proxy = self.proxy.clone();
@@ -393,9 +443,9 @@ impl App {
         let wake = move || {
             let _ = proxy.send_event(Wake);
         };
-        let mut session = Session::start(read, save_as.to_owned(), self.start, wake)?;
+        let start = Start { pool: self.pool.pool(&read)?, ..self.start };
+        let mut session = Session::start(read, save_as.to_owned(), start, wake)?;
         warnings.iter().for_each(|warning| session.messages.warn(warning.to_string()));
-        session.record = self.desk.session.record.clone();
         if scene != save_as {
             session.differs_from_file();
         }
@@ -431,11 +481,11 @@ impl App {
         }
         due.extend(self.egui_wants.map(|wanted| wanted.max(soon)));
         let new = session.light.ready().is_some_and(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &ready)));
-        if new {
+        if new && self.desk.viewport.rect.is_positive() {
             due.push((self.lit + self.governor.pause_for_light()).max(soon));
         }
-        let coming = self.light.as_ref().is_none_or(|ready| !ready.snapshot.exact);
-        if self.drawn.is_some() {
+        let coming = self.coming(self.light.as_deref());
+        if self.drawn.is_some() && self.desk.viewport.rect.is_positive() {
             due.extend(self.governor.finer_at(coming));
             due.extend(self.governor.wants_finer(coming).then_some(soon));
         }
@@ -446,7 +496,23 @@ impl App {
     }
 }
 
+/// `walk.ron`, `walk-2.ron`, `walk-3.ron`.
+fn next_name(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, number) =
+        match stem.rsplit_once('-').and_then(|(stem, number)| Some((stem.to_owned(), number.parse::<u64>().ok()?))) {
+            Some((stem, number)) => (stem, number + 1),
+            None => (stem, 2),
+        };
+    path.with_file_name(format!("{stem}-{number}")).with_extension(path.extension().unwrap_or_default())
+}
+
 impl ApplicationHandler<Wake> for App {
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // What is still to be written takes a while: no frozen window stands there meanwhile.
+        (self.graphics, self.window) = (None, None);
+    }
+
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.graphics.is_none()
             && let Err(failure) = self.open(event_loop)
@@ -470,6 +536,14 @@ impl ApplicationHandler<Wake> for App {
             WindowEvent::CloseRequested => {
                 self.desk.quit();
                 self.stirred = true;
+                // A window that is not shown draws no frame that would ask or obey.
+                if let Some(Request::Quit { thrown_away }) = self.desk.requests.last() {
+                    let thrown_away = *thrown_away;
+                    self.quit(event_loop, thrown_away);
+                } else {
+                    window.set_minimized(false);
+                    window.focus_window();
+                }
             }
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } | WindowEvent::Occluded(false) => {
                 self.stirred = true
@@ -485,12 +559,7 @@ impl ApplicationHandler<Wake> for App {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if progress::interrupted() {
-            let kept = self
-                .desk
-                .session
-                .keep()
-                .map_or(String::new(), |path| format!("; what was not saved is kept in {}", path.display()));
-            return self.fail(event_loop, Failure::failed(format!("interrupted{kept}")));
+            return self.fail(event_loop, Failure::failed("interrupted"));
         }
         let Some(window) = &self.window else { return };
         // Ctrl-C on the terminal is noticed at least so often.
@@ -499,13 +568,14 @@ impl ApplicationHandler<Wake> for App {
         let hidden = window.is_minimized() == Some(true) || window.inner_size().width == 0 || window.inner_size().height == 0;
         if !hidden && self.due().is_some_and(|due| due <= Instant::now()) {
             window.request_redraw();
-            event_loop.set_control_flow(ControlFlow::Wait);
+            // Some compositors ask for no frame of a window that they hide.
+            event_loop.set_control_flow(ControlFlow::WaitUntil(patience));
         } else {
-            // Minimised, time still passes: changes are kept, scripts play.
-            if hidden {
-                self.desk.session.tick();
-            }
             event_loop.set_control_flow(ControlFlow::WaitUntil(if hidden { patience } else { due }));
+        }
+        // Without frames time still passes: changes are kept, scripts play.
+        if self.last_frame.elapsed() > Duration::from_millis(300) {
+            self.desk.session.tick();
         }
     }
 }

@@ -112,7 +112,10 @@ pub fn relamp(session: &mut Session, id: usize, file: Option<&Path>) {
             }
         }
         None => {
-            let candela = luminance(lamp.flux()) / (4.0 * std::f64::consts::PI);
+            // As if it were on; one that is dimmed to nothing shines as it is rated.
+            let factor = if luminance(lamp.intensity) > 0.0 { lamp.intensity } else { lamp.rated };
+            let flux = lamp.photometry.as_ref().map_or(4.0 * std::f64::consts::PI, |p| p.luminous_flux());
+            let candela = luminance(factor) * flux / (4.0 * std::f64::consts::PI);
             (None, Some(colour * candela))
         }
     };

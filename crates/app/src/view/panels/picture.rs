@@ -28,7 +28,8 @@ pub fn panel(desk: &mut Desk, ui: &mut Ui) {
         Show::Elements => {}
         _ => scale(desk, ui),
     }
-    let slider = Slider::new(&mut desk.fps, 2.0..=120.0).logarithmic(true).max_decimals(0).text("frames a second");
+    let slider =
+        Slider::new(&mut desk.fps, 1.0..=240.0).logarithmic(true).clamping(egui::SliderClamping::Edits).text("frames a second");
     let hint = "While something moves. More: smoother, drawn more coarsely, and fewer photons; fewer: finer, and light is right sooner. At rest it is drawn as finely as the window shows";
     ui.add(slider).on_hover_text(hint);
     pace(desk, ui);
