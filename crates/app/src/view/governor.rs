@@ -47,8 +47,9 @@ pub struct Governor {
     /// What frames of each number of eighths took lately, seconds, and when that was.
     known: [Option<(f64, Instant)>; 9],
     moved: Option<Instant>,
-    /// What the picture that is shown was drawn with.
+    /// What the picture that is shown was drawn with, and the one before it.
     drawn: Quality,
+    before: Quality,
     /// How long the last frame in the window's own pixels took, seconds.
     rested: f64,
 }
@@ -57,7 +58,7 @@ pub struct Governor {
 const LEAST: u32 = 2;
 
 /// What frames took longer ago than this says little: another part of the scene is seen.
-const LATELY: Duration = Duration::from_secs(4);
+const LATELY: Duration = Duration::from_secs(2);
 
 /// After so many frames in a row that leave time for more pixels, they get more.
 const EASY: u32 = 4;
@@ -69,7 +70,7 @@ impl Governor {
     /// Wants `fps` frames a second; whether a processor draws them.
     pub fn new(fps: f64, on_processor: bool) -> Governor {
         let share = if on_processor { SHARE_OF_PROCESSOR } else { SHARE_OF_CARD };
-        Governor { fps, share, eighths: 5, easy: 0, known: [None; 9], moved: None, drawn: FINEST, rested: 0.0 }
+        Governor { fps, share, eighths: 5, easy: 0, known: [None; 9], moved: None, drawn: FINEST, before: FINEST, rested: 0.0 }
     }
 
     /// Time from one frame to the next.
@@ -138,12 +139,16 @@ impl Governor {
 
     /// A frame was drawn with `quality` in `took`.
     pub fn drew(&mut self, quality: Quality, took: Duration) {
-        self.drawn = quality;
+        self.before = std::mem::replace(&mut self.drawn, quality);
         let took = took.as_secs_f64();
         if quality == FINEST {
             self.rested = took;
         }
         if !self.is_moving() || quality.grid > 1 {
+            return;
+        }
+        // The first frame of a size also makes its textures, and perhaps its programs: it says nothing of the next.
+        if self.before != quality {
             return;
         }
         let known = &mut self.known[quality.eighths as usize];
