@@ -19,12 +19,12 @@ fn killed_at_any_moment_it_loses_nothing() {
         let mut program = desk.view(&screen, "room.ron");
         // Something goes on all the time: the table is moved by keys, the scene is saved now and then.
         screen.click(TABLE);
-        let moments = 5 + round * 11 % 31;
+        let moments = 8 + round * 11 % 31;
         for moment in 0..moments {
             screen.key_down(u32::from(b'r'));
             screen.key_up(u32::from(b'r'));
             pause(37 + (61 * (round + moment)) % 190);
-            if (round + moment) % 17 == 5 {
+            if (round + moment) % 29 == 5 {
                 screen.key_down(keys::CONTROL);
                 screen.key_down(u32::from(b's'));
                 screen.key_up(u32::from(b's'));
