@@ -2,14 +2,11 @@
 //!
 //! No window and no graphics: everything here can be tried without.
 
+mod editing;
+mod files;
+
 use super::{
-    autosave::Autosave,
-    history::{self, Action, History},
-    light::LightReader,
-    messages::Messages,
-    navigation::Navigation,
-    placement,
-    playback::Playback,
+    autosave::Autosave, history::History, light::LightReader, messages::Messages, navigation::Navigation, playback::Playback,
 };
 use crate::failure::Failure;
 use lightmend_photon::{
@@ -19,7 +16,7 @@ use lightmend_photon::{
     solver::{Controls, Settings, Solver},
     world::World,
 };
-use lightmend_scene::{CameraKey, Configuration, Edit, Moves, Recording, Scene, SceneError, View, format::write_ron};
+use lightmend_scene::{Configuration, Edit, Moves, Recording, Scene, SceneError, View};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -91,9 +88,6 @@ pub struct Session {
 
 /// Frames per second of a recording's playback.
 const RECORDED_FPS: f64 = 25.0;
-
-/// Of what goes on, one edit is recorded in so many seconds.
-const RECORDED_OFTEN: f64 = 0.2;
 
 /// From the far corner of what there is, if the scene has no camera.
 fn some_view(configuration: &Configuration) -> View {
@@ -167,22 +161,6 @@ impl Session {
         self.edits
     }
 
-    /// Whether something waits to be kept in the autosave.
-    pub fn keeps_waiting(&self) -> bool {
-        self.autosave.waits()
-    }
-
-    /// What was opened is not what the file says that it would be saved to.
-    pub fn differs_from_file(&mut self) {
-        self.autosave.taken_over();
-        self.unsaved = true;
-    }
-
-    /// Whether the file says something else.
-    pub fn is_changed(&self) -> bool {
-        self.unsaved || self.configuration != self.saved
-    }
-
     /// The trees of what stands now.
     pub fn world(&mut self) -> Arc<World> {
         let known = self.world.take().or_else(|| self.solver.snapshot().map(|snapshot| snapshot.world.clone()));
@@ -221,157 +199,6 @@ impl Session {
             self.selection = None;
         }
         self.autosave.changed();
-    }
-
-    /// Records what waits to be recorded.
-    fn flush(&mut self) {
-        if let Some((at, edit, before)) = self.waiting.take() {
-            self.recording.edit(at, &edit, &before);
-        }
-    }
-
-    /// Edits in a row; nothing happens if one of them cannot be.
-    fn apply(&mut self, edits: &[Edit]) -> Result<(), SceneError> {
-        let mut states = vec![self.configuration.clone()];
-        let mut warnings = Vec::new();
-        for edit in edits {
-            let next = states[states.len() - 1].apply_warning(edit, &mut warnings)?;
-            states.push(next);
-        }
-        let now = self.now();
-        self.flush();
-        for (edit, before) in edits.iter().zip(&states) {
-            self.recording.edit(now, edit, before);
-        }
-        warnings.iter().for_each(|warning| self.messages.warn(warning.to_string()));
-        if let Some(last) = states.pop() {
-            self.take(last);
-        }
-        Ok(())
-    }
-
-    /// Does something that can be undone. What is wrong with it is told.
-    pub fn perform(&mut self, title: impl Into<String>, edits: Vec<Edit>) -> bool {
-        let before = self.configuration.clone();
-        self.light.begins();
-        let done = self.apply(&edits).and_then(|()| self.history.did(title.into(), &before, edits));
-        self.told(done)
-    }
-
-    /// Does a part of something that goes on: a slider that is pulled, an object that is turned.
-    pub fn go_on(&mut self, title: &str, edit: Edit) -> bool {
-        let before = self.configuration.clone();
-        let mut warnings = Vec::new();
-        let next = match before.apply_warning(&edit, &mut warnings) {
-            Ok(next) if next == before => return true,
-            Ok(next) => next,
-            Err(error) => return self.told(Err(error)),
-        };
-        warnings.iter().for_each(|warning| self.messages.warn(warning.to_string()));
-        if !self.history.is_open() {
-            self.light.begins();
-        }
-        // A slider tells of every frame; what is recorded of it follows a few times a second, and its end to the bit.
-        let now = self.now();
-        let same = |waiting: &Edit| history::overtakes(&edit, waiting);
-        self.waiting = match self.waiting.take() {
-            Some((at, waiting, start)) if same(&waiting) && now - at < RECORDED_OFTEN => Some((at, edit.clone(), start)),
-            other => {
-                self.waiting = other;
-                self.flush();
-                Some((now, edit.clone(), before.clone()))
-            }
-        };
-        let done = self.history.goes_on(title, &before, edit);
-        self.take(next);
-        self.told(done)
-    }
-
-    /// Moves a held object to a place in the world, metres.
-    pub fn drag(&mut self, object: usize, at: glam::DVec3) {
-        let title = format!("Move {}", self.configuration.object(object).name);
-        self.slide(&title, placement::move_to(&self.configuration, object, at));
-    }
-
-    /// One of a row of moves of an object.
-    fn slide(&mut self, title: &str, edit: Edit) {
-        let Edit::Move { object, to } = &edit else { return };
-        let before = self.configuration.clone();
-        let next = match before.apply(&edit) {
-            Ok(next) if next == before => return,
-            Ok(next) => next,
-            Err(error) => return self.messages.fail(error.to_string()),
-        };
-        if !self.history.is_open() {
-            self.light.begins();
-        }
-        self.flush();
-        self.recording.drag(self.now(), object, *to, &before);
-        let done = self.history.goes_on(title, &before, edit);
-        self.take(next);
-        self.told(done);
-    }
-
-    /// What went on is over.
-    pub fn end(&mut self) {
-        self.flush();
-        let done = self.history.close();
-        self.told(done);
-    }
-
-    /// What went on is over, and everything is as it was before it.
-    pub fn cancel(&mut self) {
-        if self.history.is_open() {
-            self.undo();
-            self.history.cancelled();
-        }
-    }
-
-    fn told(&mut self, done: Result<(), SceneError>) -> bool {
-        if let Err(error) = &done {
-            self.messages.fail(error.to_string());
-        }
-        done.is_ok()
-    }
-
-    /// Undoes the last action.
-    pub fn undo(&mut self) {
-        self.stop_playing();
-        match self.history.undo() {
-            Ok(Some(Action { title, backward, .. })) => {
-                self.light.begins();
-                match self.apply(&backward) {
-                    Ok(()) => self.messages.say(format!("Undone: {title}")),
-                    Err(error) => {
-                        self.messages.fail(format!("{title} cannot be undone: {error}"));
-                        // It stays done.
-                        let _ = self.history.redo();
-                    }
-                }
-            }
-            Ok(None) => self.messages.say("Nothing to undo".into()),
-            Err(error) => self.messages.fail(error.to_string()),
-        }
-    }
-
-    /// Does again what was undone last.
-    pub fn redo(&mut self) {
-        self.stop_playing();
-        match self.history.redo() {
-            Ok(Some(Action { title, forward, .. })) => {
-                self.light.begins();
-                match self.apply(&forward) {
-                    Ok(()) => self.messages.say(format!("Done again: {title}")),
-                    Err(error) => {
-                        self.messages.fail(format!("{title} cannot be done again: {error}"));
-                        // It stays undone.
-                        let _ = self.history.undo();
-                    }
-                }
-            }
-            Ok(None) => self.messages.say("Nothing to do again".into()),
-            Err(error) => self.messages.fail(error.to_string()),
-        }
     }
 
     /// Time passes: scripts play, the camera is recorded, what changed is kept.
@@ -434,69 +261,6 @@ impl Session {
             self.end();
             self.messages.say("The script was stopped".into());
         }
-    }
-
-    /// What was done so far, as a moves file.
-    pub fn recorded(&mut self) -> Moves {
-        self.flush();
-        let mut moves = self.recording.moves();
-        // Without any frame, where one looks now.
-        if moves.cameras.is_empty() {
-            let View { eye, target, fov } = self.navigation.view();
-            moves.cameras.push(CameraKey { at: 0.0, eye, target, fov });
-        }
-        moves
-    }
-
-    /// Writes what was done so far.
-    pub fn write_recording(&mut self, path: &Path) -> Result<(), SceneError> {
-        self.recorded().write(path, &self.scene)
-    }
-
-    /// Writes the scene as it is; from now on that is its file.
-    pub fn save(&mut self, path: &Path) -> Result<(), SceneError> {
-        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
-        if path.to_string_lossy().ends_with(".autosave.ron") {
-            return Err(SceneError::content(path, "is a name of what is kept by itself; save the scene under another one"));
-        }
-        let mut file = self.configuration.to_file();
-        file.relocate(&folder(&self.scene.path), &folder(path))?;
-        write_ron(path, &file)?;
-        (self.saved, self.unsaved) = (self.configuration.clone(), false);
-        self.autosave.remove();
-        let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
-        if !same(path, &self.path) {
-            self.autosave = Autosave::beside(path);
-            // What was kept for the file that this one replaces is of no use any more.
-            self.autosave.taken_over();
-            self.path = path.to_owned();
-        }
-        self.messages.say(format!("Saved: {}", path.display()));
-        Ok(())
-    }
-
-    /// Keeps what is not saved in the autosave, at once; where that is.
-    pub fn keep(&mut self) -> Option<PathBuf> {
-        let changed = self.is_changed();
-        changed.then(|| self.autosave.write_now(&self.configuration)).and_then(|result| match result {
-            Ok(path) => Some(path),
-            Err(error) => {
-                self.messages.fail(error);
-                None
-            }
-        })
-    }
-
-    /// It is over: nothing needs to be kept if nothing is unsaved, or if that is thrown away on purpose.
-    pub fn leave(&mut self, thrown_away: bool) {
-        if thrown_away || !(self.is_changed() || self.autosave.is_asked()) {
-            self.autosave.remove();
-        }
-    }
-
-    /// What was kept of an earlier run is thrown away on purpose.
-    pub fn forget_earlier(&mut self) {
-        self.autosave.remove();
     }
 
     /// A name that no object has yet, like "chair 2".
