@@ -6,6 +6,8 @@
 
 mod autosave;
 mod commands;
+#[cfg(test)]
+mod corpus_tests;
 mod desk;
 mod dialogs;
 mod furnish;

@@ -14,12 +14,12 @@ use lightmend_scene::{Configuration, Edit, Moves, Scene};
 use std::path::{Path, PathBuf};
 
 /// A desk with the ROOM on it, in a folder of its own.
-struct Trial {
-    desk: Desk,
+pub struct Trial {
+    pub desk: Desk,
     context: Context,
     size: egui::Vec2,
     time: f64,
-    folder: tempfile::TempDir,
+    pub folder: tempfile::TempDir,
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -32,13 +32,13 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-fn start() -> Start {
+pub fn start() -> Start {
     let pool = Pool::new(20_000, 288, 4, Scrambling::Seed(1)).unwrap();
     Start { pool, threads: 1, controls: Controls::default() }
 }
 
 impl Trial {
-    fn new() -> Trial {
+    pub fn new() -> Trial {
         Trial::after(|_| {})
     }
 
@@ -57,7 +57,7 @@ impl Trial {
         trial
     }
 
-    fn frame(&mut self, events: impl IntoIterator<Item = Event>) {
+    pub fn frame(&mut self, events: impl IntoIterator<Item = Event>) {
         self.time += 0.05;
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
@@ -135,7 +135,7 @@ impl Trial {
         self.desk.session.configuration.object_motion(self.id(name)).translation
     }
 
-    fn state(&self) -> Configuration {
+    pub fn state(&self) -> Configuration {
         self.desk.session.configuration.clone()
     }
 
