@@ -261,8 +261,37 @@ impl Import {
             materials: self.materials.clone(),
             objects: objects.collect(),
             lamps: lamps.collect(),
-            cameras: vec![camera(up, low, high)],
+            cameras: self.inside(up, low, high).into_iter().chain([camera(up, low, high)]).collect(),
         })
+    }
+
+    /// A camera in the room, if the model is one: seen from in front, a closed room is black. It looks from a corner across the middle.
+    fn inside(&self, up: Up, low: DVec3, high: DVec3) -> Option<CameraEntry> {
+        let middle = (low + high) / 2.0;
+        let around = (-1..=1).flat_map(|x| {
+            (-1..=1).flat_map(move |y| (-1..=1).map(move |z| DVec3::new(f64::from(x), f64::from(y), f64::from(z))))
+        });
+        let closed = around.filter(|way| *way != DVec3::ZERO).all(|way| self.nearest(middle, way.normalize()).is_some());
+        let upwards = if up == Up::Y { DVec3::Y } else { DVec3::Z };
+        let corner = (low - middle) * (DVec3::ONE - upwards) + (high - middle) * upwards * 0.4;
+        let free = self.nearest(middle, corner.normalize()).filter(|_| closed)?;
+        let eye = middle + corner.normalize() * free * 0.85;
+        let target = middle + (middle - eye) * (DVec3::ONE - upwards * 2.0) * 0.3;
+        (eye != target).then(|| CameraEntry { name: "inside".into(), eye, target, fov: 70.0 })
+    }
+
+    /// Distance to the nearest triangle (Möller and Trumbore 1997). A few rays: all triangles are tried.
+    fn nearest(&self, from: DVec3, along: DVec3) -> Option<f64> {
+        let meet = |[a, b, c]: [DVec3; 3]| {
+            let (u, v) = (b - a, c - a);
+            let p = along.cross(v);
+            let determinant = u.dot(p);
+            let q = (from - a).cross(u);
+            let [s, t, distance] = [(from - a).dot(p), along.dot(q), v.dot(q)].map(|x| x / determinant);
+            (s >= 0.0 && t >= 0.0 && s + t <= 1.0 && distance > 1e-9).then_some(distance)
+        };
+        let triangles = self.objects.iter().flat_map(|(_, mesh)| (0..mesh.triangles.len()).map(|t| mesh.corners(t)));
+        triangles.filter_map(meet).min_by(f64::total_cmp)
     }
 
     fn bounds(&self) -> (DVec3, DVec3) {
@@ -293,4 +322,31 @@ fn camera(up: Up, low: DVec3, high: DVec3) -> CameraEntry {
         Up::Z => middle - DVec3::Y * (size.y / 2.0 + size.x.max(size.z) * 1.3),
     };
     CameraEntry { name: "front".into(), eye, target: middle, fov: 45.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 4 × 3 × 2 m, with or without its side towards −y.
+    fn walls(open: bool) -> Import {
+        let positions = (0..8).map(|n| DVec3::new([0.0, 4.0][n & 1], [0.0, 3.0][n >> 1 & 1], [0.0, 2.0][n >> 2])).collect();
+        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let sides = sides.into_iter().filter(|side| !(open && *side == [0, 1, 5, 4]));
+        let triangles: Vec<[u32; 3]> = sides.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let mesh =
+            Mesh { material_of: vec![0; triangles.len()], positions, triangles, materials: vec!["grey".into()], uvs: Vec::new() };
+        Import { objects: vec![("room".into(), mesh)], ..Import::default() }
+    }
+
+    #[test]
+    fn closed_rooms_are_seen_from_inside() {
+        let (low, high) = walls(false).bounds();
+        for up in [Up::Y, Up::Z] {
+            let camera = walls(false).inside(up, low, high).unwrap();
+            assert!(camera.eye.cmpgt(low).all() && camera.eye.cmplt(high).all() && camera.view().fault().is_none());
+            assert!((camera.target - camera.eye).dot((low + high) / 2.0 - camera.eye) > 0.0, "it looks across the middle");
+            assert!(walls(true).inside(up, low, high).is_none(), "in front of an open one is where one sees it from");
+        }
+    }
 }
