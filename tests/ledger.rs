@@ -9,6 +9,7 @@ use lightmend_photon::{
     pool::Pool,
     recovery::Relevant,
     solution::Solution,
+    visible::Frustum,
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Scene};
@@ -121,6 +122,9 @@ fn mixed_edits_drain_to_the_stateless_and_to_a_fresh_solution() {
                     threads[number % 2].install(|| {
                         ledger.change(next).unwrap();
                         ledger.scan(step.groups * 3);
+                        if let (true, Some((_, view))) = (number % 3 == 0, scene.cameras.first()) {
+                            ledger.look(&Frustum::new(view, scene.up, 4.0 / 3.0));
+                        }
                         drain(&mut ledger, step.groups / 8);
                     });
                 }
@@ -191,4 +195,25 @@ fn too_little_memory_is_told() {
     let scene = own_scene("cornell");
     let refused = LedgerSolution::shoot(pool(20_000), world(&scene), FirstHits::AsLampsSay, 100_000, &mut |_, _| true).err();
     assert!(matches!(refused, Some(Refused::Memory { needed: 200_000.., limit: 100_000 })), "{refused:?}");
+}
+
+#[test]
+fn a_name_whose_mesh_was_replaced_keeps_its_records_apart() {
+    // A small object goes, a larger one takes its name, and back: all before anything is repaired.
+    let scene = own_scene("room");
+    let pool = pool(20_000);
+    let mut ledger = ledger(pool, &world(&scene));
+    let mut configuration = Configuration::initial(&scene);
+    let at = configuration.object(configuration.object_id("box under bed").unwrap()).pose.position;
+    for other in ["table", "cup west", "bed"] {
+        let gone = configuration.apply(&Edit::Remove { object: "box under bed".into() }).unwrap();
+        let to = at + DVec3::new(-1.5, 0.3, 0.1);
+        configuration = gone.apply(&Edit::Duplicate { object: other.into(), name: "box under bed".into(), to }).unwrap();
+        ledger.change(Arc::new(ledger.world().moved_to(&configuration))).unwrap();
+        ledger.scan(150);
+        drain(&mut ledger, 2);
+    }
+    while !ledger.scan(100) {}
+    drain(&mut ledger, usize::MAX);
+    assert!(ledger.to_solution().unwrap().equals(&fresh(pool, &configuration)));
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::{sync::Arc, time::Instant};
 
 /// The order in which photons are repaired.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub enum Order<'a> {
     /// What a ledger of the drained light finds to be wrong.
     Ledger(&'a LedgerSolution),

@@ -142,8 +142,12 @@ impl Chunk {
         Entry { place, triangle: self.triangles[number] }
     }
 
-    /// The lamp of the photon of a rank.
-    pub fn lamp(&self, rank: usize) -> u16 {
+    /// The lamp of each rank, or one for all.
+    pub fn lamps(&self) -> &[u16] {
+        &self.lamps
+    }
+
+    fn lamp(&self, rank: usize) -> u16 {
         if self.lamps.len() == 1 { self.lamps[0] } else { self.lamps[rank] }
     }
 
