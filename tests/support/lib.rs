@@ -1,5 +1,6 @@
 //! What the whole-program tests share: scenes made on the spot, pools, and how thorough to be.
 
+pub mod edits;
 pub mod pixels;
 
 use glam::{DVec2, DVec3};

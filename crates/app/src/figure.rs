@@ -92,6 +92,7 @@ fn draw_all<B: DrawingBackend>(area: &DrawingArea<B, Shift>, panels: &[Panel], c
 
 fn colour(name: &str) -> RGBColor {
     match name {
+        "ledger" => RGBColor(150, 40, 160),
         "stateless" => RGBColor(200, 60, 30),
         "random" => RGBColor(120, 120, 120),
         "oracle" => RGBColor(20, 130, 60),

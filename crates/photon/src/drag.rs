@@ -7,6 +7,7 @@ use crate::{
     bucket::Buckets,
     hash::mix,
     irradiance::Scale,
+    ledger::LedgerSolution,
     recovery::Order,
     solution::{Shooting, Solution},
     visible::{Frustum, Visible},
@@ -47,13 +48,15 @@ pub struct Play<'a> {
 enum Worker {
     /// Repair in groups; `random` in random order, otherwise in Algorithm 1's.
     Repair { solution: Box<Solution>, random: bool, rays: u64 },
+    /// Repair with a ledger: in pseudo-random order while something moves, what is visible first when it rests.
+    Ledger { solution: Box<LedgerSolution>, frustum: Option<Frustum>, rays: u64 },
     /// A new pool for the newest world, shown when it is complete.
     Restart { shown: Buckets, shown_world: Arc<World>, shooting: Option<Box<Shooting>>, rays: u64 },
 }
 
 impl Play<'_> {
-    /// Plays until the light is that of `end`, or for `limit` frames. `None` if `progress` returns `false`.
-    pub fn run(&self, order: Order, limit: usize, progress: &mut dyn FnMut(usize) -> bool) -> Option<Vec<Frame>> {
+    /// Plays until the light is that of `end`, or for `limit` frames. `None` if `progress` returns `false` or the ledger refuses a step.
+    pub fn run(&self, order: Order<'_>, limit: usize, progress: &mut dyn FnMut(usize) -> bool) -> Option<Vec<Frame>> {
         let scale = Scale::new(self.start.world(), self.start.pool().photons());
         let error = |light: &Buckets| self.visible.error(light, self.end.buckets(), &scale);
         let whole = error(self.start.buckets());
@@ -64,10 +67,11 @@ impl Play<'_> {
                 shooting: None,
                 rays: 0,
             },
+            Order::Ledger(ledger) => Worker::Ledger { solution: Box::new(ledger.clone()), frustum: self.frustum, rays: 0 },
             _ => {
                 let mut solution = Box::new(self.start.clone());
                 solution.look(self.frustum);
-                Worker::Repair { solution, random: order == Order::Random, rays: 0 }
+                Worker::Repair { solution, random: matches!(order, Order::Random), rays: 0 }
             }
         };
         let mut world = self.start.world().clone();
@@ -78,7 +82,7 @@ impl Play<'_> {
             while let Some((_, next)) = steps.next_if(|(at, _)| *at < time - 1e-9) {
                 world = next.clone();
             }
-            let done = worker.work(self.start, &world, number as u64 * self.work);
+            let done = worker.work(self.start, &world, number as u64 * self.work)?;
             let outstanding = if whole > 0.0 { error(worker.light()) / whole } else { 0.0 };
             frames.push(Frame { time, rays: worker.rays(), outstanding });
             if done && steps.peek().is_none() {
@@ -96,26 +100,41 @@ impl Worker {
     fn light(&self) -> &Buckets {
         match self {
             Worker::Repair { solution, .. } => solution.buckets(),
+            Worker::Ledger { solution, .. } => solution.buckets(),
             Worker::Restart { shown, .. } => shown,
         }
     }
 
     fn rays(&self) -> u64 {
         match self {
-            Worker::Repair { rays, .. } | Worker::Restart { rays, .. } => *rays,
+            Worker::Repair { rays, .. } | Worker::Ledger { rays, .. } | Worker::Restart { rays, .. } => *rays,
         }
     }
 
-    /// Works towards `world` until `until` rays were traced in all; whether the light shown is then that of `world`.
-    fn work(&mut self, start: &Solution, world: &Arc<World>, until: u64) -> bool {
-        match self {
+    /// Works towards `world` until `until` rays were traced in all; whether the light shown is then that of `world`. `None` if the ledger
+    /// refuses.
+    fn work(&mut self, start: &Solution, world: &Arc<World>, until: u64) -> Option<bool> {
+        Some(match self {
+            Worker::Ledger { solution, frustum, rays } => {
+                if !Arc::ptr_eq(solution.world(), world) {
+                    solution.change(world.clone()).ok()?;
+                    solution.scan(usize::MAX);
+                } else if let Some(frustum) = frustum {
+                    solution.look(frustum);
+                }
+                while *rays < until {
+                    let Some(mended) = solution.repair_next() else { break };
+                    *rays += mended.work.rays;
+                }
+                solution.is_exact()
+            }
             Worker::Repair { solution, random, rays } => {
                 if !Arc::ptr_eq(solution.world(), world) {
                     solution.change(world.clone());
                 }
                 if *random {
                     while *rays < until {
-                        let Some(group) = random_stale(solution, *rays) else { return true };
+                        let Some(group) = random_stale(solution, *rays) else { return Some(true) };
                         *rays += solution.repair(group).work.rays;
                     }
                 } else {
@@ -126,7 +145,7 @@ impl Worker {
             Worker::Restart { shown, shown_world, shooting, rays } => {
                 while *rays < until {
                     if shooting.is_none() && Arc::ptr_eq(shown_world, world) {
-                        return true;
+                        return Some(true);
                     }
                     let current = shooting.get_or_insert_with(|| Box::new(Shooting::new(start.rules().clone(), world.clone())));
                     let before = current.work.rays;
@@ -139,7 +158,7 @@ impl Worker {
                 }
                 shooting.is_none() && Arc::ptr_eq(shown_world, world)
             }
-        }
+        })
     }
 }
 

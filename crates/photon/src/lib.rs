@@ -4,7 +4,7 @@
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
 //! ([`mod@vertex_irradiance`]). A [`pool`] of photons is shot and, after edits, repaired group by group ([`solution`]: Algorithm 1
-//! of Dmitriev et al. 2002), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
+//! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
 //! by a camera: [`visible`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
@@ -32,6 +32,7 @@ pub mod emission;
 pub mod halton;
 mod hash;
 pub mod irradiance;
+pub mod ledger;
 pub mod path;
 pub mod pool;
 pub mod probe;

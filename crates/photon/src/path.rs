@@ -76,7 +76,7 @@ pub trait Record {
 
 impl<'w> Photon<'w> {
     /// Photon `index` as it leaves its lamp; `None` if there is no lamp.
-    fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
+    pub(crate) fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
         let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
         let ray = Ray::new(world.lamps()[lamp].position.as_vec3(), direction, None, 0.0);
@@ -89,18 +89,29 @@ impl<'w> Photon<'w> {
     }
 
     /// Whether it leaves the same lamp on the same ray.
-    fn leaves_like(&self, other: &Photon) -> bool {
+    pub(crate) fn leaves_like(&self, other: &Photon) -> bool {
         let bits = |ray: &Ray| [ray.origin, ray.direction].map(|v| v.to_array().map(f32::to_bits));
         self.lamp == other.lamp && bits(&self.ray) == bits(&other.ray)
     }
 
+    /// The ray that it is on.
+    pub(crate) fn ray(&self) -> &Ray<'w> {
+        &self.ray
+    }
+
     /// The number of its lamp.
-    fn lamp(&self) -> usize {
+    pub(crate) fn lamp(&self) -> usize {
         usize::from(self.lamp)
     }
 
     /// Goes on to the next surface; `met` is what the ray meets. `None` when the path has ended.
-    fn step<'n>(self, rules: &Rules, world: &'n World, met: Option<Hit<'n>>, record: &mut impl Record) -> Option<Photon<'n>> {
+    pub(crate) fn step<'n>(
+        self,
+        rules: &Rules,
+        world: &World,
+        met: Option<Hit<'n>>,
+        record: &mut impl Record,
+    ) -> Option<Photon<'n>> {
         let Some(hit) = met else {
             record.end(End::Escaped, self.throughput, self.lamp);
             return None;

@@ -5,6 +5,7 @@
 
 use crate::{
     hash::shuffle,
+    ledger::LedgerSolution,
     path::{FirstHits, Rules, Trail, trace},
     pool::{PhotonIndex, Pool},
     solution::{Solution, Work},
@@ -14,8 +15,10 @@ use rayon::prelude::*;
 use std::{sync::Arc, time::Instant};
 
 /// The order in which photons are repaired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Order {
+#[derive(Debug, Clone, Copy)]
+pub enum Order<'a> {
+    /// What a ledger of the drained light finds to be wrong.
+    Ledger(&'a LedgerSolution),
     /// Algorithm 1 of the seed.
     Stateless,
     /// All photons in random order.
@@ -57,6 +60,11 @@ impl Relevant {
         self.count
     }
 
+    /// Which.
+    pub fn photons(&self) -> impl Iterator<Item = PhotonIndex> + '_ {
+        self.flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(index, _)| PhotonIndex(index as u64))
+    }
+
     fn among(&self, photons: impl Iterator<Item = PhotonIndex>) -> u64 {
         photons.filter(|i| self.flags[i.0 as usize]).count() as u64
     }
@@ -69,8 +77,20 @@ pub struct Moment {
     pub work: Work,
     /// Seconds since the edit.
     pub seconds: f64,
+    /// Recorded hits replayed by meeting one triangle each, beside the rays.
+    pub replayed: u64,
     /// Relevant photons repaired.
     pub repaired: u64,
+}
+
+/// What a recovery with a ledger found out beside.
+pub struct Kept {
+    /// The ledger of the drained light.
+    pub ledger: LedgerSolution,
+    /// Seconds that its scan took, all photons.
+    pub scan_seconds: f64,
+    /// Photons that it marked.
+    pub marked: u64,
 }
 
 /// A recovery from the edit to the drained state.
@@ -79,6 +99,8 @@ pub struct Recovery {
     pub moments: Vec<Moment>,
     /// The drained solution.
     pub solution: Solution,
+    /// With [`Order::Ledger`].
+    pub kept: Option<Kept>,
 }
 
 /// The first moment at which `share` (0 to 1) of the relevant photons was repaired; the last if none was relevant.
@@ -90,11 +112,12 @@ pub fn reached(moments: &[Moment], share: f64, relevant: u64) -> Moment {
 /// Photons between two moments of orders without groups.
 const BLOCK: usize = 2048;
 
-/// Repairs a drained solution after an edit to `after`, in the given order. `progress` may end it by returning `false`: `None`.
+/// Repairs a drained solution after an edit to `after`, in the given order. `progress` may end it by returning `false`: `None`. `None`
+/// also if the ledger refuses the edit.
 pub fn recover(
     drained: &Solution,
     after: &Arc<World>,
-    order: Order,
+    order: Order<'_>,
     relevant: &Relevant,
     first_hits: FirstHits,
     progress: &mut dyn FnMut(f64) -> bool,
@@ -102,7 +125,27 @@ pub fn recover(
     let mut recording = Recording { start: Instant::now(), moments: vec![Moment::default()], last: Moment::default() };
     let pool = *drained.pool();
     let total = pool.photons() as f64;
+    let mut kept = None;
     let solution = match order {
+        Order::Ledger(start) => {
+            let mut ledger = start.clone();
+            recording.start = Instant::now();
+            ledger.change(after.clone()).ok()?;
+            let scan = Instant::now();
+            ledger.scan(usize::MAX);
+            let scan_seconds = scan.elapsed().as_secs_f64();
+            let marked = ledger.marked_photons();
+            while let Some(mended) = ledger.repair_next() {
+                recording.last.replayed += mended.replayed;
+                recording.add(mended.work, relevant.among(mended.photons.iter().copied()));
+                if !progress(recording.last.repaired as f64 / relevant.count.max(1) as f64) {
+                    return None;
+                }
+            }
+            let solution = ledger.to_solution()?;
+            kept = Some(Kept { ledger, scan_seconds, marked });
+            solution
+        }
         Order::Restart => {
             let mut shot = 0;
             let flags = &relevant.flags;
@@ -133,7 +176,8 @@ pub fn recover(
         }
         Order::Random | Order::Oracle => {
             let mut photons: Vec<PhotonIndex> = (0..pool.photons()).map(PhotonIndex).collect();
-            if order == Order::Oracle {
+            let oracle = matches!(order, Order::Oracle);
+            if oracle {
                 photons.retain(|i| relevant.flags[i.0 as usize]);
             } else {
                 shuffle(&mut photons);
@@ -141,7 +185,7 @@ pub fn recover(
             let mut solution = drained.clone();
             recording.start = Instant::now();
             solution.change(after.clone());
-            let blocks = if order == Order::Oracle { BLOCK / 8 } else { BLOCK };
+            let blocks = if oracle { BLOCK / 8 } else { BLOCK };
             for block in photons.chunks(blocks) {
                 let work = solution.repair_photons(block);
                 recording.add(work, relevant.among(block.iter().copied()));
@@ -153,7 +197,7 @@ pub fn recover(
             solution
         }
     };
-    Some(Recovery { moments: recording.moments, solution })
+    Some(Recovery { moments: recording.moments, solution, kept })
 }
 
 struct Recording {

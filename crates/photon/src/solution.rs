@@ -399,7 +399,7 @@ impl Solution {
 }
 
 /// Photons of one residue class in a row: they leave a lamp in nearly the same direction and visit the same nodes of the trees.
-const CLASSES: u64 = 288;
+pub(crate) const CLASSES: u64 = 288;
 
 /// A pool while it is shot for the first time: any prefix of it is a valid estimate.
 #[derive(Clone)]
@@ -467,16 +467,26 @@ impl Shooting {
 
     fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
         let mut outcome = Outcome::new(self.tallies.len(), false);
-        let shift = self.rules.sequence.copies().ilog2();
-        // Copy by copy, so that the tables of one sequence stay at hand.
-        for copy in 0..1u64 << shift {
-            let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
-            let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
-            let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
-            for point in (first..end).step_by(CLASSES as usize) {
-                trace(&self.rules, &self.world, PhotonIndex(point << shift | copy), &mut outcome);
-            }
+        for index in in_class(indices, class, self.rules.sequence.copies()) {
+            trace(&self.rules, &self.world, index, &mut outcome);
         }
         outcome
     }
+
+    /// Light that came about otherwise: what a whole pool brought.
+    pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
+        Shooting { rules, world, buckets, tallies, work }
+    }
+}
+
+/// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one
+/// sequence stay at hand.
+pub(crate) fn in_class(indices: Range<u64>, class: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
+    let shift = copies.ilog2();
+    (0..1u64 << shift).flat_map(move |copy| {
+        let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
+        let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
+        let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
+        (first..end).step_by(CLASSES as usize).map(move |point| PhotonIndex(point << shift | copy))
+    })
 }

@@ -37,6 +37,11 @@ impl Crowd {
         self.placed.binary_search_by_key(&id, |placed| placed.id).ok().map(|n| &self.placed[n])
     }
 
+    /// The boxes about them, padded.
+    pub fn bounds(&self) -> impl Iterator<Item = [Vec3; 2]> + '_ {
+        self.placed.iter().map(|placed| placed.body.bounds())
+    }
+
     /// The nearest of `best` and these objects.
     pub fn nearest<'t>(&'t self, ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
         let limit = |best: &Option<Hit>| best.map_or(f32::INFINITY, |b| b.distance * SLACK);
@@ -45,6 +50,23 @@ impl Crowd {
             limit(&best)
         });
         best
+    }
+}
+
+/// Where every object of a world stands: its triangles one by one, to the bits of those in the trees, without the trees.
+pub struct Surfaces {
+    /// By the object's number: where it stands and the hash of its name; `None` if it is gone.
+    stands: Vec<Option<(Motion, u64)>>,
+    configuration: Configuration,
+}
+
+impl Surfaces {
+    /// A triangle of an object that is there.
+    pub fn triangle(&self, object: usize, in_mesh: usize) -> Option<Triangle> {
+        let (motion, key) = (*self.stands.get(object)?)?;
+        let mesh = &self.configuration.object(object).mesh;
+        let corners = mesh.triangles[in_mesh].map(|corner| motion.point(mesh.positions[corner as usize]).as_vec3());
+        Some(Triangle::new(corners, key, object, in_mesh))
     }
 }
 
@@ -208,6 +230,23 @@ impl World {
     pub fn phantoms(&self, ids: &[usize]) -> Crowd {
         let placed = |id: &usize| self.crowd.find(*id).cloned().unwrap_or_else(|| self.place(*id, self.motion(*id)));
         Crowd::new(ids.iter().map(placed).collect())
+    }
+
+    /// Its objects' triangles.
+    pub fn surfaces(&self) -> Surfaces {
+        let mut stands = vec![None; self.configuration.object_slots()];
+        let fixed = self.fixed_objects.iter().map(|(id, _, motion)| (*id, *motion));
+        for (id, motion) in fixed.chain(self.crowd.placed.iter().map(|placed| (placed.id, placed.motion))) {
+            stands[id] = Some((motion, of_name(&self.object(id).name)));
+        }
+        Surfaces { stands, configuration: self.configuration.clone() }
+    }
+
+    /// The box about all that is there, padded, and the lamps.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let bodies = self.crowd.bounds().chain([self.fixed.bounds()]).filter(|[low, high]| low.cmple(*high).all());
+        let lamps = self.configuration.lamps().map(|(id, _)| [self.lamps[id].position.as_vec3(); 2]);
+        bodies.chain(lamps).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], [l, h]| [low.min(l), high.max(h)])
     }
 
     /// The configuration that this is.

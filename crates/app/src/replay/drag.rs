@@ -1,6 +1,6 @@
 //! A drag step by step: how much of the change is outstanding at each frame, as the camera sees it.
 
-use super::{Chapter, OrderArgument};
+use super::{Chapter, OrderArgument, orders_of};
 use crate::{
     failure::Failure,
     figure::{Curve, Panel},
@@ -8,6 +8,7 @@ use crate::{
 };
 use lightmend_photon::{
     drag::{Frame, Play},
+    ledger::LedgerSolution,
     recovery::Order,
     solution::Solution,
     visible::{Frustum, Visible},
@@ -28,6 +29,7 @@ pub fn play(
     moves: &Moves,
     timed: &TimedEdit,
     start: &Solution,
+    ledger: Option<&LedgerSolution>,
     end: &Solution,
     work: u64,
     orders: &[OrderArgument],
@@ -51,7 +53,7 @@ pub fn play(
     let frustum = Some(Frustum::new(&view, before.scene().up, 4.0 / 3.0));
     let play = Play { start, steps: &steps, end, visible: &visible, frustum, fps: moves.fps, work };
     let mut drag = Drag::new();
-    for (order, name) in orders.iter().map(|o| o.order()).filter(|(order, _)| *order != Order::Oracle) {
+    for (order, name) in orders_of(orders, ledger).filter(|(order, _)| !matches!(order, Order::Oracle)) {
         let bar = progress::bar(0, &format!("drag, {name}"), quiet);
         let frames = play.run(order, MOST_FRAMES, &mut |frame| {
             bar.set_position(frame as u64);

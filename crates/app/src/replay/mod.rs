@@ -6,8 +6,9 @@ mod report;
 use crate::{Common, PoolArguments, failure::Failure, output, progress};
 use lightmend_photon::{
     body::TreePreset,
+    ledger::{LedgerSolution, Refused},
     path::FirstHits,
-    recovery::{Moment, Order, Relevant, recover},
+    recovery::{Kept, Moment, Order, Relevant, recover},
     solution::Solution,
     world::World,
 };
@@ -27,8 +28,8 @@ pub struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     pool: PoolArguments,
-    /// Orders to compare: stateless, random, oracle, restart
-    #[arg(long, value_name = "ORDERS", value_delimiter = ',', default_value = "stateless,random,oracle,restart")]
+    /// Orders to compare: ledger, stateless, random, oracle, restart
+    #[arg(long, value_name = "ORDERS", value_delimiter = ',', default_value = "ledger,stateless,random,oracle,restart")]
     orders: Vec<OrderArgument>,
     /// Write the integer buckets after the last edit
     #[arg(long, value_name = "FILE")]
@@ -42,22 +43,31 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum OrderArgument {
+    Ledger,
     Stateless,
     Random,
     Oracle,
     Restart,
 }
 
-impl OrderArgument {
-    fn order(self) -> (Order, &'static str) {
-        match self {
+/// The orders and their names; without that of the ledger if there is none.
+fn orders_of<'a>(
+    orders: &'a [OrderArgument],
+    ledger: Option<&'a LedgerSolution>,
+) -> impl Iterator<Item = (Order<'a>, &'static str)> {
+    orders.iter().filter_map(move |order| {
+        Some(match order {
+            OrderArgument::Ledger => (Order::Ledger(ledger?), "ledger"),
             OrderArgument::Stateless => (Order::Stateless, "stateless"),
             OrderArgument::Random => (Order::Random, "random"),
             OrderArgument::Oracle => (Order::Oracle, "oracle"),
             OrderArgument::Restart => (Order::Restart, "restart"),
-        }
-    }
+        })
+    })
 }
+
+/// Bytes that the ledger may take; above it that order is left out.
+const LEDGER_LIMIT: u64 = 8 << 30;
 
 /// One order's way back to exact light after one edit.
 pub struct Track {
@@ -67,6 +77,18 @@ pub struct Track {
     pub moments: Vec<Moment>,
     /// Whether it ended with the bits of a fresh solution.
     pub bit_equal: bool,
+    /// What the ledger did beside, if it was its.
+    pub beside: Option<Beside>,
+}
+
+/// What a ledger did beside tracing.
+pub struct Beside {
+    /// Seconds of its scan.
+    pub scan_seconds: f64,
+    /// Photons that it marked.
+    pub marked: u64,
+    /// Memory of its records.
+    pub bytes: u64,
 }
 
 /// One edit and how every order recovered from it.
@@ -114,20 +136,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut configuration = Configuration::initial(&scene);
     let world = Arc::new(World::new(&configuration, TreePreset::default()));
     let mut drained = shoot(&pool, world, "initial light", common.quiet)?;
+    let mut ledger = match orders.contains(&OrderArgument::Ledger) {
+        true => begin_ledger(&drained, common.quiet)?,
+        false => None,
+    };
     let mut chapters = Vec::new();
     for (number, timed) in moves.edits.iter().enumerate() {
         configuration = configuration.apply(&timed.edit)?;
-        let Some((mut chapter, fresh)) = chapter(&drained, &configuration, &orders, number, timed, common.quiet)? else {
+        let Some((mut chapter, fresh, next)) =
+            chapter(&drained, ledger.as_ref(), &configuration, &orders, number, timed, common.quiet)?
+        else {
             break; // interrupted: what is done is kept
         };
         if matches!(timed.edit, Edit::Drag { .. }) {
-            chapter.drag = drag::play(&moves, timed, &drained, &fresh, arguments.work, &orders, common.quiet)?;
+            chapter.drag = drag::play(&moves, timed, &drained, ledger.as_ref(), &fresh, arguments.work, &orders, common.quiet)?;
         }
         if common.talks() {
             report::print(&chapter);
         }
         chapters.push(chapter);
-        drained = fresh;
+        (drained, ledger) = (fresh, next);
     }
 
     let summary = json!({
@@ -156,6 +184,27 @@ fn shoot(pool: &lightmend_photon::pool::Pool, world: Arc<World>, what: &str, qui
     solution
         .filter(|s| s.pool().photons() == pool.photons())
         .ok_or_else(|| Failure::failed("interrupted before the initial light was done"))
+}
+
+/// The ledger of the initial light; without it the other orders go on.
+fn begin_ledger(drained: &Solution, quiet: bool) -> Result<Option<LedgerSolution>, Failure> {
+    let pool = *drained.pool();
+    let bar = progress::bar(pool.photons(), "ledger", quiet);
+    let begun = LedgerSolution::shoot(pool, drained.world().clone(), FirstHits::AsLampsSay, LEDGER_LIMIT, &mut |photons, _| {
+        bar.set_position(photons);
+        !progress::interrupted()
+    });
+    bar.finish_and_clear();
+    match begun {
+        Ok(ledger) => Ok(Some(ledger)),
+        Err(Refused::Stopped) => Err(Failure::failed("interrupted before the ledger was begun")),
+        Err(refused) => {
+            if !quiet {
+                eprintln!("warning: {refused}: the order \"ledger\" is left out");
+            }
+            Ok(None)
+        }
+    }
 }
 
 fn title(edit: &Edit) -> String {
@@ -191,39 +240,49 @@ fn title(edit: &Edit) -> String {
 /// `None` if interrupted.
 fn chapter(
     drained: &Solution,
+    ledger: Option<&LedgerSolution>,
     configuration: &Configuration,
     orders: &[OrderArgument],
     number: usize,
     timed: &TimedEdit,
     quiet: bool,
-) -> Result<Option<(Chapter, Solution)>, Failure> {
+) -> Result<Option<(Chapter, Solution, Option<LedgerSolution>)>, Failure> {
     let pool = *drained.pool();
     let title = format!("edit {number}: {}", title(&timed.edit));
     let after = Arc::new(drained.world().moved_to(configuration));
     let relevant = Relevant::find(&pool, drained.rules(), drained.world(), &after);
     let mut recoveries = Vec::new();
-    for (order, name) in orders.iter().map(|o| o.order()) {
+    for (order, name) in orders_of(orders, ledger) {
         let bar = progress::bar(1000, &format!("{title}, {name}"), quiet);
         let recovery = recover(drained, &after, order, &relevant, FirstHits::AsLampsSay, &mut |share| {
             bar.set_position((share * 1000.0) as u64);
             !progress::interrupted()
         });
         bar.finish_and_clear();
-        let Some(recovery) = recovery else { return Ok(None) };
+        let Some(recovery) = recovery else {
+            let refused = Failure::failed(format!("{title}: the ledger has no room for it; leave the order \"ledger\" out"));
+            return if progress::interrupted() { Ok(None) } else { Err(refused) };
+        };
         recoveries.push((name, recovery));
     }
     // The judge starts from nothing, with other trees.
     let fresh_world = Arc::new(World::new(configuration, TreePreset::Fast));
     let Ok(fresh) = shoot(&pool, fresh_world, "fresh solution", quiet) else { return Ok(None) };
+    let mut next = None;
     let tracks = recoveries
         .into_iter()
         .map(|(order, recovery)| {
             let bit_equal = recovery.solution.equals(&fresh);
-            Track { order, moments: recovery.moments, bit_equal }
+            let beside = recovery.kept.map(|Kept { ledger, scan_seconds, marked }| {
+                let bytes = ledger.bytes();
+                next = Some(ledger);
+                Beside { scan_seconds, marked, bytes }
+            });
+            Track { order, moments: recovery.moments, bit_equal, beside }
         })
         .collect();
     let steps = timed.edit.steps(drained.world().configuration())?;
     let last_step = steps.last().map_or(0.0, |(at, _)| at - steps[0].0);
     let chapter = Chapter { title, relevant: relevant.count(), photons: pool.photons(), tracks, drag: None, last_step };
-    Ok(Some((chapter, fresh)))
+    Ok(Some((chapter, fresh, next)))
 }

@@ -35,6 +35,15 @@ pub fn print(chapter: &Chapter) {
         let seconds = track.moments.last().map_or(0.0, |m| m.seconds);
         let bits = if track.bit_equal { "equal" } else { "DIFFER" };
         say(&format!("{:<10} {:>36}  {seconds:>8.2}  {bits}", track.order, multiples.join(" / ")));
+        if let Some(beside) = &track.beside {
+            let replayed = track.moments.last().map_or(0, |m| m.replayed);
+            let (ms, each) = (beside.scan_seconds * 1e3, beside.bytes as f64 / chapter.photons.max(1) as f64);
+            let marked = beside.marked;
+            say(&format!(
+                "{:<10} scan {ms:.1} ms, {marked} photons marked, {replayed} hits replayed, {each:.1} bytes a photon",
+                ""
+            ));
+        }
     }
 }
 
@@ -85,11 +94,17 @@ fn chapter_json(number: usize, chapter: &Chapter) -> Value {
             let of = |value: fn(&Moment) -> Value| -> Map<String, Value> {
                 SHARES.iter().map(|(name, share)| (name.to_string(), value(&reached(&track.moments, *share, chapter.relevant)))).collect()
             };
-            let value = json!({
+            let mut value = json!({
                 "photons": of(|m| m.work.photons.into()), "rays": of(|m| m.work.rays.into()), "seconds": of(|m| m.seconds.into()),
                 "drained": track.moments.last().map(|m| json!({ "photons": m.work.photons, "rays": m.work.rays, "seconds": m.seconds })),
                 "bit_equal_to_fresh": track.bit_equal,
             });
+            if let Some(beside) = &track.beside {
+                value["replayed"] = of(|m| m.replayed.into()).into();
+                value["scan_seconds"] = beside.scan_seconds.into();
+                value["marked_photons"] = beside.marked.into();
+                value["bytes"] = beside.bytes.into();
+            }
             (track.order.to_owned(), value)
         })
         .collect();
@@ -101,14 +116,14 @@ fn chapter_json(number: usize, chapter: &Chapter) -> Value {
 }
 
 fn write_csv(out: &mut impl Write, chapters: &[Chapter]) -> std::io::Result<()> {
-    writeln!(out, "edit,order,photons,rays,seconds,repaired,relevant")?;
+    writeln!(out, "edit,order,photons,rays,seconds,repaired,relevant,replayed")?;
     for (number, chapter) in chapters.iter().enumerate() {
         for track in &chapter.tracks {
             for m in &track.moments {
-                let Moment { work, seconds, repaired } = m;
+                let Moment { work, seconds, replayed, repaired } = m;
                 writeln!(
                     out,
-                    "{number},{},{},{},{seconds:.6},{repaired},{}",
+                    "{number},{},{},{},{seconds:.6},{repaired},{},{replayed}",
                     track.order, work.photons, work.rays, chapter.relevant
                 )?;
             }

@@ -79,7 +79,7 @@ fn replay_keeps_the_contract() {
         let relevant = edit["relevant_photons"].as_u64().expect("a number");
         assert!(relevant > 0 && relevant < 20_000);
         let orders = edit["orders"].as_object().expect("orders");
-        assert_eq!(orders.keys().collect::<Vec<_>>(), ["oracle", "random", "restart", "stateless"]);
+        assert_eq!(orders.keys().collect::<Vec<_>>(), ["ledger", "oracle", "random", "restart", "stateless"]);
         for (order, told) in orders {
             for unit in ["photons", "rays", "seconds"] {
                 let reached = ["50", "90", "99", "100"].map(|share| told[unit][share].as_f64().expect("a number"));
@@ -87,6 +87,10 @@ fn replay_keeps_the_contract() {
             }
             assert_eq!(told["bit_equal_to_fresh"], true, "{order}");
         }
+        let ledger = &orders["ledger"];
+        let numbers = ["scan_seconds", "marked_photons", "bytes"].map(|what| ledger[what].as_f64().expect("a number"));
+        assert!(numbers.iter().all(|n| *n > 0.0) && ledger["replayed"]["100"].as_u64() > Some(0));
+        assert!(ledger["rays"]["100"].as_u64() < orders["oracle"]["rays"]["100"].as_u64());
         // The limit of re-shooting: exactly the relevant photons.
         assert_eq!(orders["oracle"]["photons"]["100"], relevant);
     }
@@ -102,7 +106,7 @@ fn orders_are_those_asked_for() {
     let summary = desk.json("out/summary.json");
     let orders = summary["edits"][0]["orders"].as_object().expect("orders");
     assert_eq!(orders.keys().collect::<Vec<_>>(), ["oracle", "random"]);
-    let header = "edit,order,photons,rays,seconds,repaired,relevant";
+    let header = "edit,order,photons,rays,seconds,repaired,relevant,replayed";
     let csv = desk.read("out/recovery.csv");
     assert_eq!(csv.lines().next(), Some(header));
     let ends = csv.lines().filter(|l| l.starts_with("0,random,0,")).count();

@@ -1,0 +1,109 @@
+//! What is known of a chunk: in which worlds its records are right.
+//!
+//! All photons of a chunk are right in one world but for the marked ones, and each of those keeps the world in which it was last right:
+//! there its old path is replayed. So edits may come before everything is scanned, or repaired.
+
+use super::{
+    chunk::{Chunk, Level},
+    grid::Grid,
+    numbers::Numbers,
+    scan::{Marks, Suspicion},
+};
+use crate::{
+    visible::Frustum,
+    world::{Crowd, Difference, Surfaces, World},
+};
+use std::{collections::BTreeMap, sync::Arc};
+
+/// The number of a world; later ones are higher.
+pub type WorldNumber = u32;
+
+/// A chunk and what is known of it.
+#[derive(Clone)]
+pub struct Held {
+    /// The records.
+    pub chunk: Chunk,
+    /// The world in which the records of all its photons are right but for the marked ones.
+    pub right_in: WorldNumber,
+    /// Photons that may have become wrong, with the world in which their records were last right. Each photon once.
+    pub marked: Vec<(WorldNumber, Marks)>,
+}
+
+/// A world that records are right in, and what has changed since.
+#[derive(Clone)]
+pub struct Past {
+    /// It.
+    pub world: Arc<World>,
+    /// Its triangles.
+    pub surfaces: Arc<Surfaces>,
+    /// What has changed since.
+    pub since: Arc<Since>,
+}
+
+/// From a past world to the newest one.
+pub struct Since {
+    /// What differs.
+    pub changed: Difference,
+    /// Objects that stood elsewhere or are gone, in order.
+    pub moved_out: Vec<usize>,
+    /// Objects where they now stand and did not.
+    pub moved_in: Crowd,
+    /// What is looked for in records.
+    pub suspicion: Suspicion,
+}
+
+impl Since {
+    /// Looks at both.
+    pub fn new(past: &World, world: &World, numbers: &Numbers, grid: &Grid) -> Since {
+        let changed = past.difference(world);
+        let has_moved = |id: &usize| !past.same_place(world, *id);
+        let moved_out: Vec<usize> = changed.objects.iter().copied().filter(has_moved).collect();
+        let there: Vec<usize> = moved_out.iter().copied().filter(|id| world.configuration().has_object(*id)).collect();
+        let moved_in = world.phantoms(&there);
+        let suspicion = Suspicion::new(past, &changed, &moved_in, numbers, grid);
+        Since { changed, moved_out, moved_in, suspicion }
+    }
+}
+
+impl Held {
+    /// Marks what may have become wrong since this chunk was last right.
+    pub fn scan(&mut self, pasts: &BTreeMap<WorldNumber, Past>, newest: WorldNumber) {
+        if self.right_in == newest {
+            return;
+        }
+        let mut marks = pasts[&self.right_in].since.suspicion.marks(&self.chunk);
+        for (_, already) in &self.marked {
+            marks = marks.without(already);
+        }
+        if marks.count() > 0 {
+            self.marked.push((self.right_in, marks));
+        }
+        self.is_right_in(newest, pasts);
+    }
+
+    /// All but the marked photons are right in this world. Photons marked as right in a world that is like it are so too; not
+    /// before, as a chunk's unmarked photons must all be right in one world.
+    pub fn is_right_in(&mut self, newest: WorldNumber, pasts: &BTreeMap<WorldNumber, Past>) {
+        self.right_in = newest;
+        self.marked.retain(|(number, _)| !pasts[number].since.changed.is_empty());
+    }
+
+    /// How many photons are marked.
+    pub fn marks(&self) -> u32 {
+        self.marked.iter().map(|(_, marks)| marks.count()).sum()
+    }
+
+    /// Recorded points of marked photons that lie in the frustum.
+    pub fn seen(&self, frustum: &Frustum, grid: &Grid) -> u32 {
+        if self.marked.is_empty() {
+            return 0;
+        }
+        let is_marked = |rank: usize| self.marked.iter().any(|(_, marks)| marks.has(rank));
+        let of_level = |level: Level| {
+            let inside =
+                |rank: usize| grid.point(level.places.map(|axis| axis[rank])).is_some_and(|point| frustum.contains(point));
+            (0..level.triangles.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
+        };
+        self.chunk.levels().map(of_level).sum()
+    }
+}
