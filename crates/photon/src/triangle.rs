@@ -6,7 +6,7 @@
 //!
 //! The nearest hit is by distance, then by a hash of the object's name and the triangle's number, so that a path never depends on the order in which a tree is visited.
 
-use glam::{Mat3A, Vec3, Vec3A};
+use glam::Vec3;
 
 /// A triangle in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,7 @@ impl Triangle {
     }
 }
 
-/// A ray with what the intersection needs of it. The direction need not be of unit length.
+/// A ray with what the intersection needs of it. The direction need not be of unit length, but at least 1e-6 long.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray<'a> {
     /// Metres.
@@ -71,9 +71,10 @@ pub struct Ray<'a> {
     pub leaves: Option<&'a Triangle>,
     /// Within this distance, coplanar neighbours of the surface it leaves are not met either.
     pub near: f32,
-    /// Takes the ray to the z axis and its largest component to 1 along it: axes swapped, then sheared. Each row has at most two
-    /// entries that are not zero, so that a product has the one rounding that Woop's formulas have.
-    shear: Mat3A,
+    /// The axes that take the places of x, y and z; the direction is largest along the last.
+    pub(crate) axes: [usize; 3],
+    /// What is added to x and y per z, and the factor of z: these take the ray to the z axis and its largest component to 1.
+    pub(crate) shear: [f32; 3],
 }
 
 /// Where a ray meets a triangle.
@@ -98,27 +99,20 @@ impl<'a> Ray<'a> {
         if direction[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
         }
-        let mut rows = [Vec3::ZERO; 3];
-        rows[0][x] = 1.0;
-        rows[0][z] = -direction[x] / direction[z];
-        rows[1][y] = 1.0;
-        rows[1][z] = -direction[y] / direction[z];
-        rows[2][z] = 1.0 / direction[z];
-        let column = |k: usize| Vec3A::new(rows[0][k], rows[1][k], rows[2][k]);
-        Ray { origin, direction, leaves, near, shear: Mat3A::from_cols(column(0), column(1), column(2)) }
+        let shear = [-direction[x] / direction[z], -direction[y] / direction[z], 1.0 / direction[z]];
+        Ray { origin, direction, leaves, near, axes: [x, y, z], shear }
     }
 
-    /// Meets a triangle if it is nearer than `best`, or as near and smaller order.
+    /// Meets a triangle if it is nearer than `best`, or as near and smaller order. Trees test eight at once, with the same operations
+    /// and to the same bits; this is for one, as when a recorded path is replayed.
     #[inline]
     pub fn meet<'t>(&self, triangle: &'t Triangle, best: &Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let origin = Vec3A::from(self.origin);
+        let [x, y, z] = self.axes;
         let sheared = |corner: Vec3| {
-            let v = Vec3A::from(corner) - origin;
-            // Not Mat3A's product: whether that fuses multiplications and additions depends on the target.
-            self.shear.x_axis * v.x + self.shear.y_axis * v.y + self.shear.z_axis * v.z
+            let v = corner - self.origin;
+            Vec3::new(v[x] + self.shear[0] * v[z], v[y] + self.shear[1] * v[z], self.shear[2] * v[z])
         };
-        let [p, q, r] = triangle.corners;
-        let (a, b, c) = (sheared(p), sheared(q), sheared(r));
+        let [a, b, c] = triangle.corners.map(sheared);
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
         let w = b.x * a.y - b.y * a.x;
@@ -135,17 +129,20 @@ impl<'a> Ray<'a> {
         if !(0.0..f32::INFINITY).contains(&distance) {
             return None;
         }
+        let hit = Hit { distance, weights, triangle };
+        self.prefers(&hit, best).then_some(hit)
+    }
+
+    /// Whether a hit is nearer than `best`, or as near and smaller order, and not on the surface that the ray leaves.
+    #[inline(always)]
+    pub(crate) fn prefers(&self, hit: &Hit, best: &Option<Hit>) -> bool {
+        let Hit { distance, triangle, .. } = *hit;
         if let Some(best) = best
             && (distance > best.distance || (distance == best.distance && triangle.order() >= best.triangle.order()))
         {
-            return None;
+            return false;
         }
-        if let Some(left) = self.leaves
-            && (left.is(triangle) || (distance < self.near && self.leaves_plane_of(left, triangle)))
-        {
-            return None;
-        }
-        Some(Hit { distance, weights, triangle })
+        self.leaves.is_none_or(|left| !left.is(triangle) && (distance >= self.near || !self.leaves_plane_of(left, triangle)))
     }
 
     /// Whether a triangle met at almost no distance is only a continuation of the surface that the ray leaves.

@@ -1,11 +1,13 @@
 //! A configuration as rays see it: bodies with trees, and lamps with frames. Immutable; a move replaces one body.
 
 use crate::{
-    body::{Body, Reach, SLACK, TreePreset, inverse},
+    body::{Body, Reach, TreePreset},
     boxes::Boxes,
     emission::LampChoice,
     hash::of_name,
+    lanes::{LANES, Lanes, Task, widest},
     sampling::uniform_sphere,
+    tree::{Beam, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
@@ -43,12 +45,44 @@ impl Crowd {
     }
 
     /// The nearest of `best` and these objects.
-    pub fn nearest<'t>(&'t self, ray: &Ray, mut best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let limit = |best: &Option<Hit>| best.map_or(f32::INFINITY, |b| b.distance * SLACK);
-        self.boxes.entered(ray, inverse(ray.direction), limit(&best), |n| {
-            best = self.placed[n].body.nearest(ray, best);
-            limit(&best)
-        });
+    pub fn nearest<'t>(&'t self, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
+        widest(Nearest { ray, crowd: self, fixed: None, best })
+    }
+}
+
+/// What the ray meets first of some bodies.
+struct Nearest<'t, 'r> {
+    ray: &'r Ray<'r>,
+    crowd: &'t Crowd,
+    fixed: Option<&'t Body>,
+    best: Option<Hit<'t>>,
+}
+
+impl<'t> Task for Nearest<'t, '_> {
+    type Output = Option<Hit<'t>>;
+
+    /// Movables first, each behind its box, then what is fixed.
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
+        let Nearest { ray, crowd, fixed, mut best } = self;
+        let beam = Beam::new(lanes, ray);
+        for (planes, placed) in crowd.boxes.eights().iter().zip(crowd.placed.chunks(LANES)) {
+            let (mut mask, enter) = beam.enters(planes, limit(&best));
+            if mask == 0 {
+                continue;
+            }
+            let enter = lanes.store(enter);
+            while mask != 0 {
+                let k = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                if enter[k] <= limit(&best) {
+                    placed[k].body.nearest(&beam, &mut best);
+                }
+            }
+        }
+        if let Some(body) = fixed {
+            body.nearest(&beam, &mut best);
+        }
         best
     }
 }
@@ -67,6 +101,26 @@ impl Surfaces {
         let mesh = &self.configuration.object(object).mesh;
         let corners = mesh.triangles[in_mesh].map(|corner| motion.point(mesh.positions[corner as usize]).as_vec3());
         Some(Triangle::new(corners, key, object, in_mesh))
+    }
+}
+
+/// All that the ray meets of some bodies within a distance.
+struct All<'t, 'r> {
+    ray: &'r Ray<'r>,
+    bodies: Vec<&'t Body>,
+    farthest: f32,
+}
+
+impl<'t> Task for All<'t, '_> {
+    type Output = Vec<Hit<'t>>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Vec<Hit<'t>> {
+        let (beam, mut found) = (Beam::new(lanes, self.ray), Vec::new());
+        for body in self.bodies {
+            body.meet_all(&beam, self.farthest, &mut found);
+        }
+        found
     }
 }
 
@@ -275,9 +329,15 @@ impl World {
         self.reach
     }
 
-    /// The first surface that a ray meets. One traversal: movables first, each behind its box, then what is fixed.
+    /// The first surface that a ray meets.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
-        self.fixed.nearest(ray, self.crowd.nearest(ray, None))
+        widest(Nearest { ray, crowd: &self.crowd, fixed: Some(&self.fixed), best: None })
+    }
+
+    /// The same without the widest lanes of this machine.
+    #[cfg(test)]
+    pub(crate) fn nearest_portably(&self, ray: &Ray) -> Option<Hit<'_>> {
+        Nearest { ray, crowd: &self.crowd, fixed: Some(&self.fixed), best: None }.run(crate::lanes::Portable)
     }
 
     /// What the ray meets at the distance of `hit`, but for rounding: surfaces that lie in one another. Which of them a photon meets is
@@ -286,10 +346,8 @@ impl World {
     pub fn layers<'w>(&'w self, ray: &Ray, hit: Hit<'w>) -> Vec<Hit<'w>> {
         // A few roundings of the largest coordinate.
         let slack = 1e-6 * self.reach.metres;
-        let mut found = Vec::new();
-        for body in self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.fixed]) {
-            body.meet_all(ray, hit.distance + slack, &mut found);
-        }
+        let bodies = self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.fixed]).collect();
+        let mut found = widest(All { ray, bodies, farthest: hit.distance + slack });
         found.retain(|other| {
             !other.triangle.is(hit.triangle)
                 && other.distance >= hit.distance - slack

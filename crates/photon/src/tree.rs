@@ -1,0 +1,338 @@
+//! A tree over triangles with eight children to a node and eight triangles to a leaf, and the way of a ray through it.
+//!
+//! Each box test and each triangle test is of eight at once ([`crate::lanes`]). The triangle test is [`Ray`]'s, operation for operation;
+//! the boxes only decide what is tested. They are padded by more than their own test rounds, so that no tree and no order of
+//! visits changes what is met.
+
+use crate::{
+    collapse::Collapse,
+    lanes::{LANES, Lanes},
+    split::{Bounds, Branch, Effort, binary},
+    stack::Stack,
+    triangle::{Hit, Ray, Triangle},
+};
+use glam::Vec3;
+
+/// Eight boxes: low x, y, z, high x, y, z of each.
+pub type Planes = [[f32; LANES]; 6];
+
+/// What no ray enters.
+pub const NO_BOXES: Planes = {
+    let (low, high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    [low, low, low, high, high, high]
+};
+
+/// Marks a child that is a block.
+const BLOCK: u32 = 1 << 31;
+
+/// Four lines of cache.
+#[repr(align(64))]
+struct Node {
+    planes: Planes,
+    children: [u32; LANES],
+}
+
+/// Up to eight triangles, five lines of cache.
+#[repr(align(64))]
+struct Block {
+    /// Per corner and axis; not numbers where there is no triangle.
+    corners: [[[f32; LANES]; 3]; 3],
+    /// The number of the first triangle.
+    first: u32,
+}
+
+/// The tree.
+#[derive(Default)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    blocks: Vec<Block>,
+}
+
+/// A ray as the tests of eight want it.
+pub struct Beam<'r, L: Lanes> {
+    /// Its lanes.
+    pub lanes: L,
+    /// The ray itself.
+    pub ray: &'r Ray<'r>,
+    origin: [L::Numbers; 3],
+    inverse: [L::Numbers; 3],
+    /// Which plane of a box is entered, per axis.
+    near: [usize; 3],
+    /// Origin along the ray's own axes.
+    turned: [L::Numbers; 3],
+    shear: [L::Numbers; 3],
+    zero: L::Numbers,
+}
+
+/// 1 / d, large but finite where d is zero.
+#[inline]
+fn inverse(direction: Vec3) -> Vec3 {
+    direction.recip().clamp(Vec3::splat(-1e18), Vec3::splat(1e18))
+}
+
+/// What a ray met of eight triangles.
+struct Met {
+    mask: u32,
+    distances: [f32; LANES],
+    weights: [[f32; LANES]; 3],
+}
+
+impl<'r, L: Lanes> Beam<'r, L> {
+    /// Prepares a ray.
+    #[inline(always)]
+    pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
+        let inverse = inverse(ray.direction);
+        let [x, y, z] = ray.axes;
+        Beam {
+            lanes,
+            ray,
+            origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
+            inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
+            near: [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis }),
+            turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
+            shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
+            zero: lanes.splat(0.0),
+        }
+    }
+
+    /// Where the ray crosses eight planes.
+    #[inline(always)]
+    fn at(&self, planes: &Planes, plane: usize, axis: usize) -> L::Numbers {
+        let l = self.lanes;
+        l.mul(l.sub(l.load(&planes[plane]), self.origin[axis]), self.inverse[axis])
+    }
+
+    /// A corner of eight triangles in the ray's own coordinates.
+    #[inline(always)]
+    fn sheared(&self, corner: &[[f32; LANES]; 3]) -> [L::Numbers; 3] {
+        let l = self.lanes;
+        let [x, y, z] = self.ray.axes;
+        let depth = l.sub(l.load(&corner[z]), self.turned[2]);
+        [
+            l.add(l.sub(l.load(&corner[x]), self.turned[0]), l.mul(self.shear[0], depth)),
+            l.add(l.sub(l.load(&corner[y]), self.turned[1]), l.mul(self.shear[1], depth)),
+            l.mul(self.shear[2], depth),
+        ]
+    }
+
+    #[inline(always)]
+    fn cross(&self, p: [L::Numbers; 3], q: [L::Numbers; 3]) -> L::Numbers {
+        let l = self.lanes;
+        l.sub(l.mul(p[0], q[1]), l.mul(p[1], q[0]))
+    }
+
+    /// Which of eight boxes the ray enters within `limit`, and where.
+    #[inline(always)]
+    pub fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
+        let l = self.lanes;
+        let [nx, ny, nz] = self.near;
+        let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), self.zero));
+        let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
+        let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
+        (l.bits(l.at_most(enter, leave)), enter)
+    }
+
+    /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
+    #[inline(always)]
+    fn meets(&self, block: &Block, limit: f32) -> Met {
+        let l = self.lanes;
+        let (a, b, c) = (self.sheared(&block.corners[0]), self.sheared(&block.corners[1]), self.sheared(&block.corners[2]));
+        let (u, v, w) = (self.cross(c, b), self.cross(a, c), self.cross(b, a));
+        let negative = l.or(l.or(l.less(u, self.zero), l.less(v, self.zero)), l.less(w, self.zero));
+        let positive = l.or(l.or(l.less(self.zero, u), l.less(self.zero, v)), l.less(self.zero, w));
+        let determinant = l.add(l.add(u, v), w);
+        // Of one sign: where both occur it is missed, where neither does it is seen from the edge.
+        let inside = l.or(l.but_not(positive, negative), l.but_not(negative, positive));
+        if l.bits(inside) == 0 {
+            return Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+        }
+        let (u, v, w) = (l.div(u, determinant), l.div(v, determinant), l.div(w, determinant));
+        let distance = l.add(l.add(l.mul(u, a[2]), l.mul(v, b[2])), l.mul(w, c[2]));
+        let reached = l.and(l.at_most(self.zero, distance), l.at_most(distance, l.splat(limit)));
+        let mask = l.bits(l.and(inside, reached));
+        Met { mask, distances: l.store(distance), weights: [l.store(u), l.store(v), l.store(w)] }
+    }
+}
+
+impl Tree {
+    /// Over triangles whose boxes are padded by `padding` (metres); puts the triangles in the order of the leaves.
+    pub fn new(triangles: &mut Vec<Triangle>, padding: f32, effort: Effort) -> Tree {
+        if triangles.is_empty() {
+            return Tree::default();
+        }
+        let bounds = |t: &Triangle| {
+            let [a, b, c] = t.corners;
+            Bounds { low: (a.min(b).min(c) - padding).into(), high: (a.max(b).max(c) + padding).into() }
+        };
+        let boxes: Vec<Bounds> = triangles.iter().map(bounds).collect();
+        let (branches, order) = binary(&boxes, effort);
+        *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
+        let collapse = Collapse::new(&branches);
+        let mut tree = Tree::default();
+        tree.node(&collapse, &branches, 0, triangles);
+        tree
+    }
+
+    fn node(&mut self, collapse: &Collapse, branches: &[Branch], branch: usize, triangles: &[Triangle]) -> u32 {
+        let own = self.nodes.len();
+        self.nodes.push(Node { planes: NO_BOXES, children: [BLOCK; LANES] });
+        let mut children = collapse.children(branch);
+        // The largest lies next in memory.
+        children.sort_by(|a, b| branches[*b].bounds.area().total_cmp(&branches[*a].bounds.area()));
+        for (k, child) in children.into_iter().enumerate() {
+            let number = if collapse.is_block(child) {
+                let items = branches[child].items.clone();
+                self.blocks.push(Block::new(items.start, &triangles[items.start as usize..items.end as usize]));
+                BLOCK | (self.blocks.len() - 1) as u32
+            } else {
+                self.node(collapse, branches, child, triangles)
+            };
+            let Bounds { low, high } = branches[child].bounds;
+            let node = &mut self.nodes[own];
+            node.children[k] = number;
+            for axis in 0..3 {
+                node.planes[axis][k] = low[axis];
+                node.planes[axis + 3][k] = high[axis];
+            }
+        }
+        own as u32
+    }
+
+    /// Calls `visit` with every block that the ray may meet within its limit, near ones first as a rule; `visit` returns the new limit.
+    #[inline(always)]
+    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, mut visit: impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let mut stack = Stack::new();
+        let mut at = 0u32;
+        loop {
+            if at & BLOCK != 0 {
+                limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], limit);
+            } else {
+                let node = &self.nodes[at as usize];
+                let (mut mask, enter) = beam.enters(&node.planes, limit);
+                if mask != 0 {
+                    let enter = beam.lanes.store(enter);
+                    let mut take = || {
+                        let k = mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        ((enter[k & 7], node.children[k & 7]), mask == 0)
+                    };
+                    let (mut nearest, mut last) = take();
+                    let bottom = stack.len();
+                    while !last {
+                        let mut entry;
+                        (entry, last) = take();
+                        if entry.0 < nearest.0 {
+                            std::mem::swap(&mut entry, &mut nearest);
+                        }
+                        stack.insert(bottom, entry);
+                    }
+                    at = nearest.1;
+                    continue;
+                }
+            }
+            loop {
+                let Some((enter, next)) = stack.pop() else { return };
+                if enter <= limit {
+                    at = next;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Makes `best` the nearest of itself and what the ray meets here.
+    #[inline(always)]
+    pub fn nearest<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, best: &mut Option<Hit<'t>>) {
+        self.walk(beam, limit(best), First { triangles, best });
+    }
+
+    /// All that the ray meets within `farthest`.
+    #[inline(always)]
+    pub fn all<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, farthest: f32, found: &mut Vec<Hit<'t>>) {
+        self.walk(beam, farthest * SLACK, Every { triangles, farthest, found });
+    }
+}
+
+/// What is done with the blocks on a ray's way.
+trait Visit {
+    /// Returns the new limit.
+    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32;
+}
+
+struct First<'t, 'b> {
+    triangles: &'t [Triangle],
+    best: &'b mut Option<Hit<'t>>,
+}
+
+impl Visit for First<'_, '_> {
+    #[inline(always)]
+    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
+        let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
+        for hit in met.hits(block, self.triangles) {
+            if beam.ray.prefers(&hit, self.best) {
+                *self.best = Some(hit);
+            }
+        }
+        limit(self.best)
+    }
+}
+
+struct Every<'t, 'b> {
+    triangles: &'t [Triangle],
+    farthest: f32,
+    found: &'b mut Vec<Hit<'t>>,
+}
+
+impl Visit for Every<'_, '_> {
+    #[inline(always)]
+    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
+        let met = beam.meets(block, self.farthest);
+        self.found.extend(met.hits(block, self.triangles).filter(|hit| beam.ray.prefers(hit, &None)));
+        limit
+    }
+}
+
+/// Factor of a hit's distance up to which trees are searched on: more than distances round.
+const SLACK: f32 = 1.000_001;
+
+/// How far to search on.
+#[inline]
+pub fn limit(best: &Option<Hit>) -> f32 {
+    best.map_or(f32::INFINITY, |b| b.distance * SLACK)
+}
+
+impl Block {
+    fn new(first: u32, triangles: &[Triangle]) -> Block {
+        let mut corners = [[[f32::NAN; LANES]; 3]; 3];
+        for (k, triangle) in triangles.iter().enumerate() {
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    corners[corner][axis][k] = triangle.corners[corner][axis];
+                }
+            }
+        }
+        Block { corners, first }
+    }
+}
+
+impl Met {
+    #[inline(always)]
+    fn hits<'t>(&self, block: &Block, triangles: &'t [Triangle]) -> impl Iterator<Item = Hit<'t>> {
+        let mut mask = self.mask;
+        std::iter::from_fn(move || {
+            if mask == 0 {
+                return None;
+            }
+            let k = mask.trailing_zeros() as usize & 7;
+            mask &= mask - 1;
+            let triangle = &triangles[block.first as usize + k];
+            Some(Hit { distance: self.distances[k], weights: self.weights.map(|w| w[k]), triangle })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
