@@ -1,8 +1,8 @@
 //! `lightmend apply`: the scene after scripted moves, as a scene file.
 
 use crate::{Common, failure::Failure, output};
-use lightmend_scene::{Configuration, Moves, format::write_ron};
-use std::path::{Path, PathBuf};
+use lightmend_scene::{Configuration, Moves};
+use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -27,11 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for timed in &moves.edits {
         configuration = configuration.apply(&timed.edit)?;
     }
-    let mut file = configuration.to_file();
-    let from = arguments.scene.parent().unwrap_or(Path::new(""));
-    let to = arguments.out.parent().unwrap_or(Path::new(""));
-    file.relocate(from, to)?;
-    write_ron(&arguments.out, &file)?;
+    configuration.write(&arguments.out)?;
     if arguments.common.json {
         output::json(None, &serde_json::json!({ "scene": arguments.out, "edits": moves.edits.len() }), true)?;
     } else if arguments.common.talks() {

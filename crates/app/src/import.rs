@@ -272,7 +272,7 @@ impl Import {
             (-1..=1).flat_map(move |y| (-1..=1).map(move |z| DVec3::new(f64::from(x), f64::from(y), f64::from(z))))
         });
         let closed = around.filter(|way| *way != DVec3::ZERO).all(|way| self.nearest(middle, way.normalize()).is_some());
-        let upwards = if up == Up::Y { DVec3::Y } else { DVec3::Z };
+        let upwards = up.axis();
         let corner = (low - middle) * (DVec3::ONE - upwards) + (high - middle) * upwards * 0.4;
         let free = self.nearest(middle, corner.normalize()).filter(|_| closed)?;
         let eye = middle + corner.normalize() * free * 0.85;

@@ -19,13 +19,9 @@ pub struct View {
 impl View {
     /// Forward (unit), and to the right and upwards half the height of the picture at distance 1; `up` is the scene's.
     pub fn axes(&self, up: Up) -> [DVec3; 3] {
-        let up = match up {
-            Up::Y => DVec3::Y,
-            Up::Z => DVec3::Z,
-        };
         let forward = (self.target - self.eye).normalize();
         // Straight up or down, any direction may be to the right.
-        let right = forward.cross(up).try_normalize().unwrap_or(DVec3::X);
+        let right = forward.cross(up.axis()).try_normalize().unwrap_or(DVec3::X);
         let half = (self.fov.to_radians() / 2.0).tan();
         [forward, right * half, right.cross(forward) * half]
     }

@@ -4,10 +4,14 @@
 //! that buckets and trees can be told by number.
 
 use crate::{
-    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError, format::SceneFile, lamp_rotation, load::Materials,
-    scene::same, unknown,
+    Direct, Lamp, Material, Motion, Object, Pose, Scene, SceneError,
+    format::{SceneFile, write_ron},
+    lamp_rotation,
+    load::Materials,
+    scene::same,
+    unknown,
 };
-use std::{collections::BTreeSet, sync::Arc};
+use std::{collections::BTreeSet, path::Path, sync::Arc};
 
 /// The state of everything that edits can change. Immutable; a clone costs a pointer.
 #[derive(Debug, Clone)]
@@ -251,6 +255,14 @@ impl Configuration {
             hasher.update(name.as_bytes()).update(&[0]);
         }
         *hasher.finalize().as_bytes()
+    }
+
+    /// Writes the scene file that says this state to `path`; what it names is found from there too.
+    pub fn write(&self, path: &Path) -> Result<(), SceneError> {
+        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut file = self.to_file();
+        file.relocate(&folder(&self.scene.path), &folder(path))?;
+        write_ron(path, &file)
     }
 
     /// The scene file that says this state.

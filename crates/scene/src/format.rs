@@ -19,6 +19,16 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// Unit, upwards.
+    pub fn axis(self) -> DVec3 {
+        match self {
+            Up::Y => DVec3::Y,
+            Up::Z => DVec3::Z,
+        }
+    }
+}
+
 /// A scene file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -3,7 +3,7 @@
 //! Written beside its place and renamed, by a thread of its own: the disk never holds up a frame, and a file is never half-written. The
 //! scene's own file is not touched by it.
 
-use lightmend_scene::{Configuration, format::write_ron};
+use lightmend_scene::Configuration;
 use std::{
     path::{Path, PathBuf},
     sync::mpsc::{Receiver, Sender, channel},
@@ -48,15 +48,6 @@ fn path_beside(scene: &Path) -> PathBuf {
     scene.with_extension("autosave.ron")
 }
 
-fn write(path: &Path, configuration: &Configuration) -> Result<(), String> {
-    // It stands in the folder of the scene that was read or that it was saved to: its paths are made right for that.
-    let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut file = configuration.to_file();
-    file.relocate(&folder(&configuration.scene().path), &folder(path))
-        .and_then(|()| write_ron(path, &file))
-        .map_err(|e| e.to_string())
-}
-
 impl Autosave {
     /// For the scene file at `scene`.
     pub fn beside(scene: &Path) -> Autosave {
@@ -71,7 +62,7 @@ impl Autosave {
                     // Only the newest counts.
                     let order = std::iter::successors(Some(order), |_| taken.try_recv().ok()).last();
                     let result = match order {
-                        Some(Order::Write(configuration)) => write(&path, &configuration),
+                        Some(Order::Write(configuration)) => configuration.write(&path).map_err(|e| e.to_string()),
                         Some(Order::Remove) => std::fs::remove_file(&path).or_else(|e| match e.kind() {
                             std::io::ErrorKind::NotFound => Ok(()),
                             _ => Err(format!("{}: cannot be removed: {e}", path.display())),
@@ -149,7 +140,7 @@ impl Autosave {
             false => self.path.clone(),
             true => numbered.clone().find(|path| !path.exists()).unwrap_or_default(),
         };
-        write(&path, configuration).map(|()| path)
+        configuration.write(&path).map(|()| path).map_err(|e| e.to_string())
     }
 
     /// Nothing needs to be kept.

@@ -279,7 +279,7 @@ impl Desk {
         let name = self.session.path.file_name().unwrap_or_default().to_string_lossy();
         let changed = if self.session.is_changed() { "*" } else { "" };
         let light = match self.session.light.ready() {
-            Some(ready) if ready.snapshot.exact && ready.snapshot.edits >= self.session.edits() => "exact".to_owned(),
+            Some(ready) if self.session.is_exact(&ready.snapshot) => "exact".to_owned(),
             Some(ready) if self.session.solver.controls().paused => {
                 format!("paused, {:.0} % outstanding", panels::outstanding_percent(&ready))
             }

@@ -142,7 +142,7 @@ fn dump_exact(session: &Session, path: &std::path::Path, common: &Common) -> Res
     loop {
         let snapshot = session.solver.snapshot();
         if let Some(snapshot) = &snapshot {
-            if snapshot.exact && snapshot.edits >= session.edits() {
+            if session.is_exact(snapshot) {
                 return output::write(path, |file| snapshot.buckets.dump(&session.configuration, file));
             }
             let bar = bar.get_or_insert_with(|| progress::bar(snapshot.pool_photons, "repairing the light", common.quiet));

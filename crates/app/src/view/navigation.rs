@@ -6,8 +6,8 @@ use lightmend_scene::{Up, View, within_reach};
 /// The scene's axes as a person stands in it: two horizontal ones and up, right-handed.
 pub fn axes(up: Up) -> [DVec3; 3] {
     match up {
-        Up::Z => [DVec3::X, DVec3::Y, DVec3::Z],
-        Up::Y => [DVec3::X, DVec3::NEG_Z, DVec3::Y],
+        Up::Z => [DVec3::X, DVec3::Y, up.axis()],
+        Up::Y => [DVec3::X, DVec3::NEG_Z, up.axis()],
     }
 }
 

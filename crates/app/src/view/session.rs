@@ -13,7 +13,7 @@ use lightmend_photon::{
     body::TreePreset,
     path::FirstHits,
     pool::Pool,
-    solver::{Controls, Settings, Solver},
+    solver::{Controls, Settings, Snapshot, Solver},
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Moves, Recording, Scene, SceneError, View};
@@ -154,6 +154,11 @@ impl Session {
     /// Changes whenever something else stands, shines or is painted.
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Whether this light is to the bit that of the scene as it is now.
+    pub fn is_exact(&self, light: &Snapshot) -> bool {
+        light.exact && light.edits >= self.edits
     }
 
     /// The number of the last edit that the solver was told of.

@@ -61,8 +61,7 @@ pub fn state_line(desk: &mut Desk, ui: &mut Ui) {
             }
             Some(ready) => {
                 let snapshot = &ready.snapshot;
-                let exact = snapshot.exact && snapshot.edits >= desk.session.edits();
-                if exact {
+                if desk.session.is_exact(snapshot) {
                     ui.label("Light: exact").on_hover_text("To the bit what a fresh solution of this scene gives");
                 } else if snapshot.photons < snapshot.pool_photons {
                     ui.label(format!(

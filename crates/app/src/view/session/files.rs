@@ -2,7 +2,7 @@
 
 use super::Session;
 use crate::view::autosave::Autosave;
-use lightmend_scene::{CameraKey, Moves, SceneError, View, format::write_ron};
+use lightmend_scene::{CameraKey, Moves, SceneError, View};
 use std::path::{Path, PathBuf};
 
 impl Session {
@@ -41,13 +41,10 @@ impl Session {
 
     /// Writes the scene as it is; from now on that is its file.
     pub fn save(&mut self, path: &Path) -> Result<(), SceneError> {
-        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         if path.to_string_lossy().ends_with(".autosave.ron") {
             return Err(SceneError::content(path, "is a name of what is kept by itself; save the scene under another one"));
         }
-        let mut file = self.configuration.to_file();
-        file.relocate(&folder(&self.scene.path), &folder(path))?;
-        write_ron(path, &file)?;
+        self.configuration.write(path)?;
         (self.saved, self.unsaved) = (self.configuration.clone(), false);
         self.autosave.remove();
         let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
