@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
                 let start = Instant::now();
                 ledger.scan(usize::MAX);
                 scans.push(start.elapsed().as_secs_f64() * 1e3 / millions);
-                let marked = ledger.marked_photons();
+                let marked = ledger.outstanding_photons();
                 let start = Instant::now();
                 let (mut work, mut replayed) = (Work::default(), 0);
                 while let Some(mended) = ledger.repair_next() {

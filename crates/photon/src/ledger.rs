@@ -27,7 +27,7 @@ use crate::{
 };
 use chunk::{Chunk, Paths};
 use grid::Grid;
-use held::{Held, Past, Since, WorldNumber};
+use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
 use rayon::prelude::*;
 pub use repair::Mended;
@@ -42,8 +42,10 @@ use std::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// Its records would take too much memory.
-    #[error("a ledger of this pool takes about {needed} bytes, and {limit} are allowed")]
+    #[error("a ledger of {photons} photons takes about {needed} bytes, and {limit} are allowed")]
     Memory {
+        /// Photons that there would be.
+        photons: u64,
         /// Bytes, estimated from what was shot.
         needed: u64,
         /// Bytes.
@@ -57,7 +59,7 @@ pub enum Refused {
     Stopped,
 }
 
-/// A pool of photons with the light that they brought and a record of how each came.
+/// A pool of photons with the light that they brought and a record of how each came. Any prefix of a pool is one: it can grow.
 #[derive(Clone)]
 pub struct LedgerSolution {
     pool: Pool,
@@ -67,21 +69,63 @@ pub struct LedgerSolution {
     world: Arc<World>,
     numbers: Numbers,
     grid: Grid,
+    /// The photons of each slab end before these; slab by slab, a chunk for each class.
+    ends: Vec<u64>,
     chunks: Vec<Held>,
+    /// The classes of the next slab that were shot so far, each at the world that was the newest then.
+    growing: Vec<(Outcome, Held)>,
+    /// Where that slab will end.
+    growing_to: u64,
     /// Worlds that records are right in, the newest with an empty difference.
     pasts: BTreeMap<WorldNumber, Past>,
     newest: WorldNumber,
-    /// Chunks before this one were scanned since the last edit.
-    scanned: usize,
+    /// The chunk that is scanned next: the scan goes round, or the last ones would never be reached under edits that keep coming.
+    scan_turn: usize,
+    /// Chunks that were not scanned since the last edit.
+    unscanned: usize,
+    /// Photons of these, and marked ones of the others.
+    outstanding: u64,
     /// Chunks in a fixed pseudo-random order, and where in it the next repair begins.
-    shuffled: Arc<[u32]>,
+    shuffled: Vec<u32>,
     turn: usize,
     /// Chunks to repair before all others, the first one last.
     visible: Vec<u32>,
+    bytes: u64,
     limit: u64,
 }
 
 impl LedgerSolution {
+    /// Nothing shot yet, and at most `limit` bytes of records ever. `pool` says how photons are made and grouped; it may grow beyond.
+    pub fn begin(pool: Pool, world: Arc<World>, first_hits: FirstHits, limit: u64) -> Result<LedgerSolution, Refused> {
+        let mut numbers = Numbers::default();
+        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
+        let grid = Grid::new(world.bounds(), world.reach().metres);
+        let past = Past::new(&world, &world, &numbers, &grid);
+        Ok(LedgerSolution {
+            pool,
+            rules: Arc::new(Rules { sequence: pool.sequence(), first_hits }),
+            buckets: Buckets::new(world.configuration()),
+            tallies: vec![Tally::default(); world.configuration().lamp_slots()],
+            world,
+            numbers,
+            grid,
+            ends: Vec::new(),
+            chunks: Vec::new(),
+            growing: Vec::new(),
+            growing_to: 0,
+            pasts: BTreeMap::from([(0, past)]),
+            newest: 0,
+            scan_turn: 0,
+            unscanned: 0,
+            outstanding: 0,
+            shuffled: Vec::new(),
+            turn: 0,
+            visible: Vec::new(),
+            bytes: 0,
+            limit,
+        })
+    }
+
     /// Shoots a whole pool and keeps its paths in at most `limit` bytes. `progress` hears of the photons shot so far and of the rays of
     /// the last slab, and may end the work by returning `false`.
     pub fn shoot(
@@ -91,70 +135,80 @@ impl LedgerSolution {
         limit: u64,
         progress: &mut dyn FnMut(u64, u64) -> bool,
     ) -> Result<LedgerSolution, Refused> {
-        let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits });
-        let mut numbers = Numbers::default();
-        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
-        let grid = Grid::new(world.bounds(), world.reach().metres);
-        let lamps = world.configuration().lamp_slots();
-        let mut buckets = Buckets::new(world.configuration());
-        let mut tallies = vec![Tally::default(); lamps];
-        let recorder = Recorder { numbers: &numbers, grid: &grid };
-        let (mut chunks, mut bytes) = (Vec::new(), 0);
-        for start in (0..pool.photons()).step_by(Shooting::SLAB as usize) {
-            let slab = start..(start + Shooting::SLAB).min(pool.photons());
-            let shot: Vec<(Outcome, Chunk)> = (0..CLASSES)
-                .into_par_iter()
-                .map(|class| {
-                    let (mut outcome, mut paths) = (Outcome::new(lamps, false), Paths::default());
-                    for index in in_class(slab.clone(), class, rules.sequence.copies()) {
-                        recorder.trace(&rules, &world, index, &mut outcome, &mut paths);
-                    }
-                    (outcome, Chunk::pack(&paths))
-                })
-                .collect();
-            let mut rays = 0;
-            for (outcome, chunk) in shot {
-                gather(&mut buckets, &mut tallies, &outcome);
-                rays += outcome.rays;
-                bytes += chunk.bytes() as u64;
-                chunks.push(Held { chunk, right_in: 0, marked: Vec::new() });
-            }
-            let needed = (bytes as f64 * pool.photons() as f64 / slab.end as f64) as u64;
-            if needed > limit {
-                return Err(Refused::Memory { needed, limit });
-            }
-            if !progress(slab.end, rays) {
+        let mut solution = LedgerSolution::begin(pool, world, first_hits, limit)?;
+        while solution.photons() < pool.photons() {
+            let work = solution.grow(pool.photons(), CLASSES as usize)?;
+            // What is to come is foreseen: nobody waits for a ledger that cannot be whole.
+            solution.admits(pool.photons())?;
+            if !progress(solution.photons(), work.rays) {
                 return Err(Refused::Stopped);
             }
         }
-        let mut shuffled: Vec<u32> = (0..chunks.len() as u32).collect();
-        shuffle(&mut shuffled);
-        let since = Arc::new(Since::new(&world, &world, &numbers, &grid));
-        let past = Past { world: world.clone(), surfaces: Arc::new(world.surfaces()), since };
-        let pasts = BTreeMap::from([(0, past)]);
-        let scanned = chunks.len();
-        Ok(LedgerSolution {
-            pool,
-            rules,
-            buckets,
-            tallies,
-            world,
-            numbers,
-            grid,
-            chunks,
-            pasts,
-            newest: 0,
-            scanned,
-            shuffled: shuffled.into(),
-            turn: 0,
-            visible: Vec::new(),
-            limit,
-        })
+        Ok(solution)
     }
 
-    /// The pool.
-    pub fn pool(&self) -> &Pool {
-        &self.pool
+    /// Whether the records of so many photons are likely to fit.
+    pub fn admits(&self, photons: u64) -> Result<(), Refused> {
+        let needed = (self.bytes as f64 * photons as f64 / self.photons().max(1) as f64) as u64;
+        if needed > self.limit { Err(Refused::Memory { photons, needed, limit: self.limit }) } else { Ok(()) }
+    }
+
+    /// Shoots so many classes more of the next slab of photons, up to `photons` in all, at the newest world, whatever is still wrong.
+    /// When a slab is complete its light arrives; what an edit made wrong of it meanwhile is then outstanding. Refused, nothing changes.
+    pub fn grow(&mut self, photons: u64, classes: usize) -> Result<Work, Refused> {
+        let start = self.photons();
+        if self.growing.is_empty() {
+            self.growing_to = (start + Shooting::SLAB).min(photons);
+        }
+        let slab = start..self.growing_to;
+        if slab.is_empty() || photons <= start {
+            return Ok(Work::default());
+        }
+        self.admits(slab.end)?;
+        let (world, lamps) = (&*self.world, self.tallies.len());
+        let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
+        let first = self.growing.len() as u64;
+        let newest = self.newest;
+        let shot: Vec<(Outcome, Held)> = (first..(first + classes.max(1) as u64).min(CLASSES))
+            .into_par_iter()
+            .map(|class| {
+                let (mut outcome, mut paths) = (Outcome::new(lamps, false), Paths::default());
+                for index in in_class(slab.clone(), class, self.rules.sequence.copies()) {
+                    recorder.trace(&self.rules, world, index, &mut outcome, &mut paths);
+                }
+                (outcome, Held { chunk: Chunk::pack(&paths), right_in: newest, marked: Vec::new() })
+            })
+            .collect();
+        let photons = shot.iter().map(|(_, held)| held.photons()).sum();
+        let work = Work { photons, rays: shot.iter().map(|(outcome, _)| outcome.rays).sum() };
+        self.growing.extend(shot);
+        if self.growing.len() as u64 == CLASSES {
+            let number = self.chunks.len() as u32;
+            for (outcome, held) in std::mem::take(&mut self.growing) {
+                gather(&mut self.buckets, &mut self.tallies, &outcome);
+                if held.right_in != newest {
+                    self.unscanned += 1;
+                    self.outstanding += held.photons();
+                }
+                self.bytes += held.bytes();
+                self.chunks.push(held);
+            }
+            let mut next: Vec<u32> = (number..self.chunks.len() as u32).collect();
+            shuffle(&mut next);
+            self.shuffled.extend(next);
+            self.ends.push(slab.end);
+        }
+        Ok(work)
+    }
+
+    /// The pool that was shot so far would be this one; `None` if that is less than the groups need.
+    pub fn pool(&self) -> Option<Pool> {
+        self.pool.grown(self.photons()).shrunk(self.photons())
+    }
+
+    /// Photons shot.
+    pub fn photons(&self) -> u64 {
+        self.ends.last().copied().unwrap_or(0)
     }
 
     /// The light.
@@ -169,7 +223,12 @@ impl LedgerSolution {
 
     /// Memory of the records, bytes.
     pub fn bytes(&self) -> u64 {
-        self.chunks.iter().map(|held| held.chunk.bytes() as u64 + size_of::<Held>() as u64 - size_of::<Chunk>() as u64).sum()
+        self.bytes
+    }
+
+    /// Whether the records have grown past what is allowed, as paths became longer.
+    pub fn is_too_large(&self) -> bool {
+        self.bytes > self.limit
     }
 
     /// Recorded hits and escapes.
@@ -181,68 +240,98 @@ impl LedgerSolution {
     pub fn change(&mut self, world: Arc<World>) -> Result<(), Refused> {
         let mut numbers = self.numbers.clone();
         numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
-        let needed = self.bytes();
-        if needed > self.limit {
-            return Err(Refused::Memory { needed, limit: self.limit });
-        }
         self.numbers = numbers;
         self.buckets.grow(world.configuration());
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
-        // What is right in a world without any difference is right in the newest, and what was marked there is right again.
-        let used = |number: &WorldNumber, chunks: &[Held]| {
-            chunks.iter().any(|held| held.right_in == *number || held.marked.iter().any(|(world, _)| world == number))
-        };
-        self.pasts.retain(|number, _| used(number, &self.chunks));
+        self.forget_unused_pasts();
         for past in self.pasts.values_mut() {
-            past.since = Arc::new(Since::new(&past.world, &self.world, &self.numbers, &self.grid));
+            past.lead_to(&self.world, &self.numbers, &self.grid);
         }
         self.newest += 1;
+        self.pasts.insert(self.newest, Past::new(&self.world, &self.world, &self.numbers, &self.grid));
+        // What is right in a world without any difference is right in the newest, and what was marked there is right again.
+        let like_newest: Vec<WorldNumber> =
+            self.pasts.iter().filter(|(_, past)| past.since.changed.is_empty()).map(|(number, _)| *number).collect();
+        (self.unscanned, self.outstanding) = (0, 0);
         for held in &mut self.chunks {
-            if self.pasts[&held.right_in].since.changed.is_empty() {
+            if like_newest.binary_search(&held.right_in).is_ok() {
                 held.is_right_in(self.newest, &self.pasts);
+                self.outstanding += u64::from(held.marks());
+            } else {
+                self.unscanned += 1;
+                self.outstanding += held.photons();
             }
         }
-        let since = Arc::new(Since::new(&self.world, &self.world, &self.numbers, &self.grid));
-        self.pasts.insert(self.newest, Past { world: self.world.clone(), surfaces: Arc::new(self.world.surfaces()), since });
-        self.scanned = 0;
+        for (_, held) in self.growing.iter_mut().filter(|(_, held)| like_newest.binary_search(&held.right_in).is_ok()) {
+            held.is_right_in(self.newest, &self.pasts);
+        }
         Ok(())
     }
 
-    /// Scans up to `chunks` chunks of 256 photons; whether all are scanned now. Its cost does not depend on what changed, so it can be
-    /// cut into slices.
-    pub fn scan(&mut self, chunks: usize) -> bool {
-        let end = (self.scanned + chunks).min(self.chunks.len());
-        let (pasts, newest) = (&self.pasts, self.newest);
-        self.chunks[self.scanned..end].par_iter_mut().with_min_len(64).for_each(|held| held.scan(pasts, newest));
-        self.scanned = end;
-        self.scanned == self.chunks.len()
+    /// Drops worlds that no records are right in any more.
+    fn forget_unused_pasts(&mut self) {
+        let mut used: Vec<bool> = vec![false; self.newest as usize + 1];
+        for held in self.chunks.iter().chain(self.growing.iter().map(|(_, held)| held)) {
+            used[held.right_in as usize] = true;
+            held.marked.iter().for_each(|(world, _)| used[*world as usize] = true);
+        }
+        self.pasts.retain(|number, _| used[*number as usize]);
     }
 
-    /// Photons that are marked; all that may be wrong once everything is scanned.
-    pub fn marked_photons(&self) -> u64 {
-        self.chunks.iter().map(|held| u64::from(held.marks())).sum()
+    /// Scans up to `chunks` chunks of 256 photons, going round; whether all are scanned now. Its cost does not depend on what changed, so
+    /// it can be cut into slices.
+    pub fn scan(&mut self, chunks: usize) -> bool {
+        let mut left = chunks.min(self.chunks.len());
+        while left > 0 && self.unscanned > 0 {
+            let (pasts, newest) = (&self.pasts, self.newest);
+            let end = (self.scan_turn + left).min(self.chunks.len());
+            let slice = &mut self.chunks[self.scan_turn..end];
+            let scan = |held: &mut Held| {
+                let is_old = held.right_in != newest;
+                held.scan(pasts, newest);
+                if is_old { (1, held.photons() - u64::from(held.marks())) } else { (0, 0) }
+            };
+            let sum = |a: (usize, u64), b: (usize, u64)| (a.0 + b.0, a.1 + b.1);
+            let (scanned, right) = slice.par_iter_mut().with_min_len(64).map(scan).reduce(Default::default, sum);
+            self.unscanned -= scanned;
+            self.outstanding -= right;
+            left -= end - self.scan_turn;
+            self.scan_turn = end % self.chunks.len();
+        }
+        self.unscanned == 0
+    }
+
+    /// Photons that may be wrong: marked ones, and all of chunks that were not scanned yet.
+    pub fn outstanding_photons(&self) -> u64 {
+        self.outstanding
     }
 
     /// Whether the light is that of the newest world.
     pub fn is_exact(&self) -> bool {
-        self.scanned == self.chunks.len() && self.chunks.iter().all(|held| held.marked.is_empty())
+        self.outstanding == 0
     }
 
     /// What this camera may see is repaired first, until the next edit: chunks with more recorded hits of marked photons in its frustum
-    /// before others. While something moves the pseudo-random order looks better: see [`crate::solver::Order::Adaptive`].
+    /// before others. Of chunks that were not scanned yet nothing is known. While something moves the pseudo-random order looks better:
+    /// see [`crate::solver::Order::Adaptive`].
     pub fn look(&mut self, frustum: &Frustum) {
         let seen: Vec<u32> = self.chunks.par_iter().map(|held| held.seen(frustum, &self.grid)).collect();
         self.visible = self.shuffled.iter().copied().filter(|number| seen[*number as usize] > 0).collect();
         self.visible.sort_by_key(|number| seen[*number as usize]);
     }
 
-    /// The light without the ledger, to be repaired the stateless way. `None` if it is not exact.
+    /// The light without the ledger, to be repaired the stateless way. `None` if it is not exact, or fewer photons than the groups need.
     pub fn to_solution(&self) -> Option<Solution> {
-        let work = Work { photons: self.pool.photons(), rays: 0 };
+        if self.is_exact() { Solution::of(self.pool.grown(self.photons()), self.to_shooting()?) } else { None }
+    }
+
+    /// The light without the ledger, to go on shooting. `None` if it is not exact.
+    pub fn to_shooting(&self) -> Option<Shooting> {
+        let work = Work { photons: self.photons(), rays: 0 };
         let shot = || Shooting::of(self.rules.clone(), self.world.clone(), self.buckets.clone(), self.tallies.clone(), work);
-        if self.is_exact() { Solution::of(self.pool, shot()) } else { None }
+        self.is_exact().then(shot)
     }
 }
 

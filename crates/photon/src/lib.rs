@@ -15,7 +15,7 @@
 //! let (scene, _) = Scene::read("scenes/room/room.ron".as_ref())?;
 //! let room = Configuration::initial(&scene);
 //! let pool = Pool::new(1_152_000, 288, 16, Scrambling::Seed(1))?;
-//! let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, threads: 2, courteous: true, controls: Controls::default() };
+//! let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, ledger_bytes: 1 << 30, threads: 2, courteous: true, controls: Controls::default() };
 //! let solver = Solver::start(room.clone(), settings)?;
 //! solver.edit(room.apply(&Edit::Move { object: "table".into(), to: glam::DVec3::new(2.6, 1.0, 0.0) })?);
 //! let light = solver.wait_until_exact();

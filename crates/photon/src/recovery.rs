@@ -134,7 +134,7 @@ pub fn recover(
             let scan = Instant::now();
             ledger.scan(usize::MAX);
             let scan_seconds = scan.elapsed().as_secs_f64();
-            let marked = ledger.marked_photons();
+            let marked = ledger.outstanding_photons();
             while let Some(mended) = ledger.repair_next() {
                 recording.last.replayed += mended.replayed;
                 recording.add(mended.work, relevant.among(mended.photons.iter().copied()));

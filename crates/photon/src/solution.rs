@@ -139,6 +139,20 @@ impl Solution {
         })
     }
 
+    /// Shoots `count` more photons; each joins the group that it resembles. Only while nothing is stale: `None` otherwise.
+    pub fn grow(&mut self, count: u64) -> Option<Work> {
+        if self.stale_groups() > 0 {
+            return None;
+        }
+        let (buckets, tallies) = (std::mem::take(&mut self.buckets), std::mem::take(&mut self.tallies));
+        let before = Work { photons: self.pool.photons(), rays: 0 };
+        let mut shooting = Shooting::of(self.rules.clone(), self.world.clone(), buckets, tallies, before);
+        shooting.shoot(count);
+        self.pool = self.pool.grown(shooting.photons());
+        (self.buckets, self.tallies) = (shooting.buckets, shooting.tallies);
+        Some(Work { photons: count, rays: shooting.work.rays })
+    }
+
     fn finish(pool: Pool, mut shooting: Shooting, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
         while shooting.photons() < pool.photons() {
             let left = pool.photons() - shooting.photons();

@@ -6,10 +6,16 @@
 //!
 //! A snapshot that nobody took is not replaced until the light comes to rest. One that is held shares the pages of buckets that have not
 //! changed since: it costs a copy of those that have.
+//!
+//! Wrong photons are found by a [ledger](crate::ledger) where memory allows and anything can be moved, else by the seed's groups.
+//! While nothing is wrong the pool may grow: its first photons are those of the smaller pool, so that light only sharpens.
 
+mod light;
 mod worker;
 
-use crate::{bucket::Buckets, courtesy, irradiance::Scale, path::FirstHits, pool::Pool, solution::Work, world::World};
+use crate::{
+    bucket::Buckets, courtesy, irradiance::Scale, ledger::Refused, path::FirstHits, pool::Pool, solution::Work, world::World,
+};
 use lightmend_scene::{Configuration, View};
 use std::{
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
@@ -20,8 +26,11 @@ use std::{
 /// What the solver is made with.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// The photons.
+    /// The photons that are shot at once, and how they are grouped; [`Controls::error`] may ask for more.
     pub pool: Pool,
+    /// Bytes that a ledger of paths may take (see [`crate::ledger`]): some 27 for a photon at a reflectance of 0.5. If the pool needs
+    /// more, or the scene has nothing movable, it is repaired the stateless way; growth stops where they are full.
+    pub ledger_bytes: u64,
     /// Which hits deposit.
     pub first_hits: FirstHits,
     /// Threads that trace.
@@ -43,20 +52,23 @@ pub struct Controls {
     /// Time of an iteration: edits and cameras are taken up between two. Longer: more photons a second; shorter: light follows an edit
     /// sooner. 5 to 20 ms do well. At least one group is repaired in each.
     pub iteration: Duration,
+    /// The pool grows while nothing is wrong, until the [`spread`](crate::irradiance::spread) of the light is no more than this, or the
+    /// ledger is full. `None`: it stays as large as it was begun. 0.01 takes some 20 times the seed's pool.
+    pub error: Option<f64>,
     /// Iterations per frame: a snapshot is published after so many, if the last one was taken, or when there is nothing left to do. At least 1.
     pub iterations: u32,
 }
 
 impl Default for Controls {
     fn default() -> Self {
-        Controls { paused: false, order: Order::default(), iteration: Duration::from_millis(10), iterations: 2 }
+        Controls { paused: false, order: Order::default(), iteration: Duration::from_millis(10), error: None, iterations: 2 }
     }
 }
 
-/// The order in which stale groups are repaired. The light in the end is the same.
+/// The order in which wrong photons are repaired. The light in the end is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// By V·P: Algorithm 1 (Dmitriev et al. 2002, §5.2).
+    /// Groups by V·P: Algorithm 1 (Dmitriev et al. 2002, §5.2); with a ledger, what the camera may see first, once all is scanned.
     Urgent,
     /// In a fixed pseudo-random order, going round.
     Shuffled,
@@ -64,6 +76,23 @@ pub enum Order {
     /// on average 0.80 of the change was outstanding then, against 0.51.
     #[default]
     Adaptive,
+}
+
+/// How photons that an edit made wrong are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// By the records of their paths.
+    Ledger {
+        /// Memory of the records.
+        bytes: u64,
+    },
+    /// Group by group, by pilots.
+    Groups {
+        /// Groups that still hold light of an earlier configuration.
+        stale: usize,
+        /// Why there is no ledger, if one was wanted.
+        refused: Option<Refused>,
+    },
 }
 
 /// The light as it was known at one moment.
@@ -76,17 +105,19 @@ pub struct Snapshot {
     pub scale: Scale,
     /// Photons shot.
     pub photons: u64,
-    /// Photons there will be: more than `photons` while the pool is shot for the first time.
+    /// Photons that were wanted at once: more than `photons` while the pool is shot for the first time, less when it has grown.
     pub pool_photons: u64,
-    /// Groups that still hold light of an earlier configuration.
-    pub stale_groups: usize,
-    /// Their photons, and those that were not shot yet.
+    /// How wrong photons are found.
+    pub method: Method,
+    /// Photons that may hold light of an earlier configuration, and those of the pool that were not shot yet.
     pub outstanding_photons: u64,
+    /// Whether more photons than the pool's will be shot once nothing is wrong.
+    pub grows: bool,
     /// What was done since the solver was started.
     pub work: Work,
     /// The number of the last [`edit`](Solver::edit) or [`start_over`](Solver::start_over) that `world` reflects; 0 before the first.
     pub edits: u64,
-    /// Whether this is to the bit what a fresh solution of `configuration` gives: nothing is outstanding.
+    /// Whether this is to the bit what a fresh solution of `configuration` with `photons` photons gives: nothing is outstanding.
     pub exact: bool,
 }
 
@@ -190,7 +221,7 @@ impl Solver {
 
     /// From now on the light of `configuration` is wanted. Returns at once; the number of this call (see [`Snapshot::edits`]).
     ///
-    /// While the pool is shot for the first time: if little was shot (an eighth of the pool, with what earlier edits threw away), the
+    /// What was shot is repaired before more is. Without a ledger, while the pool is shot for the first time: if little was shot (an eighth of the pool, with what earlier edits threw away), the
     /// shooting begins again; otherwise it goes on where it began and is repaired afterwards. So edits that keep coming cost an eighth of a pool at most.
     pub fn edit(&self, configuration: Configuration) -> u64 {
         self.shared.want(|wanted| {

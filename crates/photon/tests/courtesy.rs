@@ -30,7 +30,14 @@ fn only_the_threads_of_a_courteous_solver_give_way() {
     let before = threads();
     for courteous in [false, true] {
         let pool = Pool::new(50_000, 288, 16, Scrambling::Seed(1)).unwrap();
-        let settings = Settings { pool, first_hits: FirstHits::AsLampsSay, threads: 2, courteous, controls: Controls::default() };
+        let settings = Settings {
+            pool,
+            first_hits: FirstHits::AsLampsSay,
+            ledger_bytes: 1 << 30,
+            threads: 2,
+            courteous,
+            controls: Controls::default(),
+        };
         let solver = Solver::start(home.clone(), settings).unwrap();
         solver.wait_until_exact();
         // A thread's name and priority are set by itself, when it first runs.

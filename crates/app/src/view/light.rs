@@ -212,12 +212,13 @@ impl<'a> Reader<'a> {
                 drop(old);
                 wake();
                 // What is still wrong is not known until its comparison was shot.
-                let known = wanted.show != Show::Stale || self.compared_with(&wanted.configuration);
+                let known = wanted.show != Show::Stale || self.compared_with(&wanted.configuration, snapshot.photons);
                 last = known.then_some((wanted.version, snapshot));
                 rest = rest.max(start.elapsed() * (BUSY - 1));
             }
             let settled = last.as_ref().is_some_and(|(version, s)| {
-                *version == wanted.version && (s.exact || self.solver.controls().paused) && s.edits >= wanted.edits
+                let rests = (s.exact && !s.grows) || self.solver.controls().paused;
+                *version == wanted.version && rests && s.edits >= wanted.edits
             });
             let now = lock(&self.shared.wanted);
             if settled && now.version == wanted.version && !now.stop {
@@ -242,7 +243,7 @@ impl<'a> Reader<'a> {
         let lamps = world.configuration().lamp_slots().min(configuration.lamp_slots());
         let indirect = match wanted.show {
             Show::Elements => Vec::new(),
-            Show::Stale => match self.exact(wanted) {
+            Show::Stale => match self.exact(wanted, snapshot.photons) {
                 Some(exact) => {
                     let right = (exact.buckets().clone(), Scale::new(exact.world(), exact.pool().photons()));
                     self.light.outstanding(configuration, (&snapshot.buckets, &scale), (&right.0, &right.1), lamps)
@@ -260,22 +261,27 @@ impl<'a> Reader<'a> {
         Ready { snapshot, indirect, spread: self.spread.1, trace }
     }
 
-    /// Whether the pool that light is compared with was shot at this scene.
-    fn compared_with(&self, configuration: &Configuration) -> bool {
-        self.exact.as_ref().is_some_and(|s| s.world().configuration() == configuration)
+    /// Whether the pool that light is compared with was shot at this scene and is of this size.
+    fn compared_with(&self, configuration: &Configuration, photons: u64) -> bool {
+        self.exact.as_ref().is_some_and(|s| s.world().configuration() == configuration && s.pool().photons() == photons)
     }
 
-    /// A pool shot at the newest scene once nothing moves: what the repair comes to in the end.
-    fn exact(&mut self, wanted: &Wanted) -> Option<&Solution> {
-        if !self.compared_with(&wanted.configuration) && wanted.edited.elapsed() > Duration::from_millis(200) {
+    /// A pool of so many photons shot at the newest scene once nothing moves: what the repair comes to in the end.
+    fn exact(&mut self, wanted: &Wanted, photons: u64) -> Option<&Solution> {
+        if !self.compared_with(&wanted.configuration, photons) && wanted.edited.elapsed() > Duration::from_millis(200) {
             let world = Arc::new(World::new(&wanted.configuration, TreePreset::default()));
             let stopped = || {
                 let now = lock(&self.shared.wanted);
                 now.stop || now.edits != wanted.edits || now.show != Show::Stale
             };
-            self.exact = Solution::shoot(self.pool, world, FirstHits::AsLampsSay, &mut |_, _| !stopped())
-                .filter(|s| s.pool().photons() == self.pool.photons());
+            // The same groups for any number of photons.
+            self.exact = self
+                .pool
+                .grown(photons)
+                .shrunk(photons)
+                .and_then(|pool| Solution::shoot(pool, world, FirstHits::AsLampsSay, &mut |_, _| !stopped()))
+                .filter(|s| s.pool().photons() == photons);
         }
-        self.exact.as_ref().filter(|_| self.compared_with(&wanted.configuration))
+        self.exact.as_ref().filter(|_| self.compared_with(&wanted.configuration, photons))
     }
 }

@@ -62,6 +62,14 @@ pub struct Arguments {
     /// What is drawn at first; F2 to F6 change it
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Show::Radiance)]
     show: Show,
+    /// Once the light is right the pool grows until its spread, the estimated error of indirect light, is no more than this; 0.01 unless
+    /// --photons says how many there are to be. A fourth of the error takes 16 times the photons
+    #[arg(long, value_name = "SHARE", value_parser = parse_error)]
+    error: Option<f64>,
+    /// Memory for the records of photons' paths, some 27 bytes each: 500M, 2G. The pool stops growing when they are full; if they
+    /// cannot hold it at all, wrong photons are searched for instead of looked up. 0: always searched for
+    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = parse_bytes)]
+    memory: u64,
     /// File for every bucket at the end, once the light is exact, as by solve
     #[arg(long, value_name = "FILE")]
     dump: Option<PathBuf>,
@@ -74,9 +82,29 @@ pub struct Arguments {
     common: Common,
 }
 
+/// The spread that the pool grows to unless something else is asked for: nobody sees it.
+const FINE: f64 = 0.01;
+
 /// Frames per second that mean something.
 fn parse_fps(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|fps| (1.0..=240.0).contains(fps)).ok_or_else(|| "a number from 1 to 240".into())
+}
+
+/// An error that light can be asked for.
+fn parse_error(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|error| *error > 0.0 && *error < 1.0).ok_or_else(|| "a number between 0 and 1, 0.01 for 1 %".into())
+}
+
+/// A number of bytes, with k, M or G for powers of 1024.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let (number, factor) = match text.char_indices().last() {
+        Some((end, 'k' | 'K')) => (&text[..end], 1u64 << 10),
+        Some((end, 'M')) => (&text[..end], 1 << 20),
+        Some((end, 'G')) => (&text[..end], 1 << 30),
+        _ => (text, 1),
+    };
+    let bytes = number.parse::<u64>().ok().and_then(|number| number.checked_mul(factor));
+    bytes.ok_or_else(|| "a number of bytes: 500M, 2G".into())
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -91,7 +119,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Failure::failed(format!("no window can be opened: {e}; `lightmend frames` draws without one"))
     };
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|e| no_window(&e))?;
-    let start = Start { pool, threads: rayon::current_num_threads(), controls: Controls::default() };
+    let error = arguments.error.or(arguments.pool.photons.is_none().then_some(FINE));
+    let controls = Controls { error, ..Controls::default() };
+    let start = Start { pool, ledger_bytes: arguments.memory, threads: rayon::current_num_threads(), controls };
     let proxy = event_loop.create_proxy();
     let wake = {
         let proxy = proxy.clone();

@@ -104,7 +104,7 @@ impl Recovery {
         let (Some(visible), Some(before), Some((_, exact))) = (&self.visible, &self.before, self.samples.last()) else { return };
         let first = visible.difference(&visible.values(&before.buckets, scale), exact);
         // Less than this nobody sees, and dividing by it shows nothing but noise.
-        if before.photons == before.pool_photons && first > 1e-6 {
+        if before.photons >= before.pool_photons && first > 1e-6 {
             self.trace.change =
                 self.samples.iter().map(|(at, values)| [*at, visible.difference(values, exact) / first]).collect();
         }

@@ -35,8 +35,10 @@ pub enum Selection {
 /// How a session begins.
 #[derive(Clone, Copy)]
 pub struct Start {
-    /// The photons.
+    /// The photons that are shot at once.
     pub pool: Pool,
+    /// Bytes for the records of their paths.
+    pub ledger_bytes: u64,
     /// Threads that trace.
     pub threads: usize,
     /// How they work.
@@ -111,6 +113,7 @@ impl Session {
         let settings = Settings {
             pool: start.pool,
             first_hits: FirstHits::AsLampsSay,
+            ledger_bytes: start.ledger_bytes,
             threads: start.threads,
             controls: start.controls,
             courteous: true,

@@ -34,7 +34,7 @@ fn copy(from: &Path, to: &Path) {
 
 pub fn start() -> Start {
     let pool = Pool::new(20_000, 288, 4, Scrambling::Seed(1)).unwrap();
-    Start { pool, threads: 1, controls: Controls::default() }
+    Start { pool, ledger_bytes: 1 << 30, threads: 1, controls: Controls::default() }
 }
 
 impl Trial {

@@ -24,6 +24,7 @@ use egui_winit::winit::{
     event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy},
     window::{Window, WindowId},
 };
+use lightmend_photon::solver::Method;
 use lightmend_raster::{Device, Mark, RasterError, Renderer, Screen, Settings};
 use lightmend_scene::View;
 use std::{
@@ -89,6 +90,9 @@ pub struct App {
 
 /// More devices than this in a row are not lost by chance.
 const MOST_LOST: u32 = 3;
+
+/// Light that is right and sharpens is shown this often.
+const SHARPER: Duration = Duration::from_secs(1);
 
 impl App {
     /// Before its window is open.
@@ -284,8 +288,13 @@ impl App {
         // Light that came in is shown when it is time for it.
         let ready = session.light.ready();
         let coming = self.coming(ready.as_deref());
-        let new = ready.filter(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, ready)));
-        let lit = new.filter(|_| self.light.is_none() || !coming || self.lit.elapsed() >= self.governor.pause_for_light());
+        let new = ready.clone().filter(|ready| !self.light.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, ready)));
+        let pause = match coming {
+            true => self.governor.pause_for_light(),
+            // Light that is right and only sharpens does not keep the machine busy.
+            false => ready.filter(|ready| ready.snapshot.grows).map_or(Duration::ZERO, |_| SHARPER),
+        };
+        let lit = new.filter(|_| self.light.is_none() || self.lit.elapsed() >= pause);
         // Twice as many samples along each side may be more than a texture can have.
         let too_large = |quality: Quality| size.iter().any(|side| side * quality.grid > renderer.device().largest_side());
         let quality = if self.drawn.is_none() || self.governor.is_moving() || lit.is_some() || self.governor.wants_finer(coming) {
@@ -302,6 +311,10 @@ impl App {
         renderer.show(&session.configuration)?;
         if let Some(ready) = lit {
             renderer.light(&ready.indirect)?;
+            if let Method::Groups { refused: Some(why), .. } = ready.snapshot.method {
+                let cost = "photons that an edit makes wrong are searched for, which takes several times as long";
+                self.desk.session.messages.warn(format!("{why} (--memory): {cost}"));
+            }
             (self.light, self.lit) = (Some(ready), Instant::now());
         }
         renderer.draw(&view, &shown)?;
@@ -313,7 +326,7 @@ impl App {
         for warning in renderer.warnings() {
             self.desk.session.messages.warn(warning);
         }
-        let first_light = self.light.as_ref().is_some_and(|ready| ready.snapshot.photons == ready.snapshot.pool_photons);
+        let first_light = self.light.as_ref().is_some_and(|ready| ready.snapshot.photons >= ready.snapshot.pool_photons);
         if self.desk.range.is_none() && self.desk.found_range.is_none() && first_light {
             let ranged = self.desk.show.ranged(&shown, true, || renderer.samples());
             // A scale that cannot be found is the usual one.

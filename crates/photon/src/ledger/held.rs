@@ -52,6 +52,19 @@ pub struct Since {
     pub suspicion: Suspicion,
 }
 
+impl Past {
+    /// A world, and what has changed from it to the newest one.
+    pub fn new(past: &Arc<World>, newest: &World, numbers: &Numbers, grid: &Grid) -> Past {
+        let since = Arc::new(Since::new(past, newest, numbers, grid));
+        Past { world: past.clone(), surfaces: Arc::new(past.surfaces()), since }
+    }
+
+    /// This is the newest world now.
+    pub fn lead_to(&mut self, newest: &World, numbers: &Numbers, grid: &Grid) {
+        self.since = Arc::new(Since::new(&self.world, newest, numbers, grid));
+    }
+}
+
 impl Since {
     /// Looks at both.
     pub fn new(past: &World, world: &World, numbers: &Numbers, grid: &Grid) -> Since {
@@ -86,6 +99,16 @@ impl Held {
     pub fn is_right_in(&mut self, newest: WorldNumber, pasts: &BTreeMap<WorldNumber, Past>) {
         self.right_in = newest;
         self.marked.retain(|(number, _)| !pasts[number].since.changed.is_empty());
+    }
+
+    /// How many photons there are.
+    pub fn photons(&self) -> u64 {
+        self.chunk.order().len() as u64
+    }
+
+    /// Memory, bytes; marks, of which there are none most of the time, apart.
+    pub fn bytes(&self) -> u64 {
+        (self.chunk.bytes() + size_of::<Held>() - size_of::<Chunk>()) as u64
     }
 
     /// How many photons are marked.

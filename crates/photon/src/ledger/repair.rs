@@ -11,7 +11,7 @@ use super::{
 use crate::{
     path::Outcome,
     pool::PhotonIndex,
-    solution::{CLASSES, Shooting, Work, in_class},
+    solution::{CLASSES, Work, in_class},
 };
 use rayon::prelude::*;
 
@@ -41,14 +41,11 @@ struct Repair {
 }
 
 impl LedgerSolution {
-    /// Repairs the marked photons of the next chunks: those that [`look`](Self::look) put first, then all in a fixed pseudo-random order
-    /// that goes round. `None` if none is marked; then the light is exact if everything is scanned.
+    /// Repairs the next chunks that hold marked photons: those that [`look`](Self::look) put first, then all in a fixed pseudo-random
+    /// order that goes round. A chunk that was not scanned since the last edit is scanned first: without any scan before, this goes through
+    /// the whole pool once. `None` if nothing is outstanding.
     pub fn repair_next(&mut self) -> Option<Mended> {
         let next = self.next_chunks();
-        for number in &next {
-            // Otherwise its photons would be right in different worlds.
-            self.chunks[*number].scan(&self.pasts, self.newest);
-        }
         let repairs: Vec<Repair> = next.par_iter().map(|number| self.repair_chunk(*number)).collect();
         let mut mended = Mended::default();
         for (number, repair) in next.iter().zip(repairs) {
@@ -59,26 +56,53 @@ impl LedgerSolution {
             mended.replayed += repair.replayed;
             mended.photons.extend(repair.photons);
             let held = &mut self.chunks[*number];
+            self.outstanding -= u64::from(held.marks());
             held.marked.clear();
             if let Some(chunk) = repair.chunk {
+                self.bytes -= held.bytes();
                 held.chunk = chunk;
+                self.bytes += held.bytes();
             }
         }
         (!next.is_empty()).then_some(mended)
     }
 
+    /// Chunks with marked photons, all of them scanned.
     fn next_chunks(&mut self) -> Vec<usize> {
+        while self.outstanding > 0 {
+            let next = self.next_outstanding();
+            for number in &next {
+                // Otherwise its photons would be right in different worlds.
+                let held = &mut self.chunks[*number];
+                if held.right_in != self.newest {
+                    held.scan(&self.pasts, self.newest);
+                    self.unscanned -= 1;
+                    self.outstanding -= held.photons() - u64::from(held.marks());
+                }
+            }
+            let marked: Vec<usize> = next.into_iter().filter(|number| !self.chunks[*number].marked.is_empty()).collect();
+            if !marked.is_empty() {
+                return marked;
+            }
+        }
+        Vec::new()
+    }
+
+    fn next_outstanding(&mut self) -> Vec<usize> {
         let mut next = Vec::new();
-        let is_marked = |number: u32| !self.chunks[number as usize].marked.is_empty();
+        let is_outstanding = |number: u32| {
+            let held = &self.chunks[number as usize];
+            !held.marked.is_empty() || held.right_in != self.newest
+        };
         while next.len() < STEP
             && let Some(number) = self.visible.pop()
         {
-            next.extend(is_marked(number).then_some(number as usize));
+            next.extend(is_outstanding(number).then_some(number as usize));
         }
         if next.is_empty() {
             let chunks = self.shuffled.len();
             let turns = (self.turn..self.turn + chunks).map(|turn| turn % chunks);
-            for turn in turns.filter(|turn| is_marked(self.shuffled[*turn])).take(STEP) {
+            for turn in turns.filter(|turn| is_outstanding(self.shuffled[*turn])).take(STEP) {
                 next.push(self.shuffled[turn] as usize);
                 self.turn = turn + 1;
             }
@@ -141,8 +165,8 @@ impl LedgerSolution {
 
     /// The photons of a chunk.
     fn members(&self, chunk: usize) -> impl Iterator<Item = PhotonIndex> {
-        let (slab, class) = (chunk as u64 / CLASSES, chunk as u64 % CLASSES);
-        let start = slab * Shooting::SLAB;
-        in_class(start..(start + Shooting::SLAB).min(self.pool.photons()), class, self.rules.sequence.copies())
+        let (slab, class) = (chunk / CLASSES as usize, chunk as u64 % CLASSES);
+        let start = if slab == 0 { 0 } else { self.ends[slab - 1] };
+        in_class(start..self.ends[slab], class, self.rules.sequence.copies())
     }
 }

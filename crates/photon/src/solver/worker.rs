@@ -1,12 +1,16 @@
-//! What the solver does in the background: shoot the pool, then repair it, an iteration at a time.
+//! What the solver does in the background: shoot the pool, repair it, let it grow, an iteration at a time.
 
-use super::{Controls, Order, Settings, Shared, Snapshot, Wanted, lock};
+use super::{
+    Controls, Method, Order, Settings, Shared, Snapshot, Wanted,
+    light::{Grown, Light},
+    lock,
+};
 use crate::{
     body::TreePreset,
-    irradiance::Scale,
+    irradiance::{Scale, spread},
+    ledger::{LedgerSolution, Refused},
     path::Rules,
-    pool::Pool,
-    solution::{Shooting, Solution, Work},
+    solution::{Shooting, Work},
     visible::Frustum,
     world::World,
 };
@@ -22,38 +26,47 @@ const ASPECT: f64 = 16.0 / 9.0;
 /// Edits keep coming if the last one is no older than this. Longer: what is visible comes first later; shorter: a slow hand counts as rest.
 const RECENT: Duration = Duration::from_millis(300);
 
+/// What the camera may see of a ledger is not looked up more often than this: it reads the marked photons of a whole pool.
+const LOOK: Duration = Duration::from_millis(500);
+
 /// Edits may throw away one so-many-th of a pool during its first shooting. Higher: light of the old place is seen for longer; lower: more
 /// work is thrown away, and noise returns.
 const LITTLE: u64 = 8;
 
-/// While the pool is shot for the first time, a snapshot is due when it has this share of photons more than the last one: its noise is 3 % lower.
+/// While nothing is wrong, a snapshot is due when it has this share of photons more than the last one: its noise is 3 % lower.
 const MORE: u64 = 16;
 
-enum Light {
-    /// Shot for the first time, perhaps at an earlier world than the wanted one.
-    Shooting {
-        shooting: Box<Shooting>,
-        stale: bool,
-    },
-    Whole(Box<Solution>),
-}
+/// Chunks scanned between two looks at the clock: some three milliseconds on a thread.
+const SCAN: usize = 1024;
 
 struct Worker<'s> {
     shared: &'s Shared,
-    pool: Pool,
+    settings: Settings,
     rules: Arc<Rules>,
     light: Light,
+    /// Why there is no ledger though one was wanted.
+    refused: Option<Refused>,
     /// The wanted one.
     world: Arc<World>,
+    /// What is looked through.
+    frustum: Option<Frustum>,
+    /// What the ledger looked through last, and when; not since the last edit.
+    looked: Option<(Frustum, Instant)>,
     /// The number of the last edit that was taken up.
     edits: u64,
     /// When the last one came that changed anything.
     edited: Option<Instant>,
     work: Work,
-    /// Photons between two looks at the clock in the first shooting.
+    /// Photons between two looks at the clock while shooting.
     slab: u64,
     /// Photons of a first shooting that edits threw away.
     thrown: u64,
+    /// Whether the last iteration repaired.
+    repaired: bool,
+    /// Photons there will be before the error is estimated again.
+    goal: u64,
+    /// So many photons were enough for this error after this edit.
+    enough: Option<(u64, f64, u64)>,
     /// Photons of the last snapshot, since the shooting began.
     published: u64,
     /// Whether there is anything to publish.
@@ -66,43 +79,33 @@ pub fn work(shared: &Shared, configuration: &Configuration, settings: &Settings)
     let rules = Arc::new(Rules { sequence: settings.pool.sequence(), first_hits: settings.first_hits });
     let mut worker = Worker {
         shared,
-        pool: settings.pool,
+        settings: *settings,
         light: Light::shoot(&rules, &world),
+        refused: None,
         rules,
         world,
+        frustum: None,
+        looked: None,
         edits: 0,
         edited: None,
         work: Work::default(),
         slab: Shooting::LEAST,
         thrown: 0,
+        repaired: false,
+        goal: 0,
+        enough: None,
         published: 0,
         news: true,
     };
+    worker.start_over();
     let mut iterations = 0;
     while let Some(controls) = worker.take_up() {
         worker.iterate(&controls);
         iterations += 1;
         if iterations >= controls.iterations && worker.is_due() {
-            worker.publish();
+            worker.publish(&controls);
             iterations = 0;
         }
-    }
-}
-
-impl Light {
-    fn shoot(rules: &Arc<Rules>, world: &Arc<World>) -> Light {
-        Light::Shooting { shooting: Box::new(Shooting::new(rules.clone(), world.clone())), stale: false }
-    }
-
-    fn photons(&self) -> u64 {
-        match self {
-            Light::Shooting { shooting, .. } => shooting.photons(),
-            Light::Whole(solution) => solution.pool().photons(),
-        }
-    }
-
-    fn is_exact(&self) -> bool {
-        matches!(self, Light::Whole(solution) if solution.stale_groups() == 0)
     }
 }
 
@@ -118,15 +121,19 @@ impl Worker<'_> {
             if wanted.edits != self.edits {
                 self.edit(&wanted);
             }
-            if let (Some(view), Light::Whole(solution)) = (&wanted.view, &mut self.light) {
-                solution.look(Some(Frustum::new(view, wanted.configuration.scene().up, ASPECT)));
+            if let Some(view) = &wanted.view {
+                let frustum = Frustum::new(view, wanted.configuration.scene().up, ASPECT);
+                self.frustum = Some(frustum);
+                if let Light::Groups(solution) = &mut self.light {
+                    solution.look(Some(frustum));
+                }
             }
             let paused = wanted.controls.paused && wanted.waiting == 0;
-            if !paused && !self.light.is_exact() {
+            if !paused && (self.outstanding() > 0 || self.grows(&wanted.controls)) {
                 return Some(wanted.controls);
             }
             if self.news {
-                self.publish();
+                self.publish(&wanted.controls);
             }
             let latest = lock(&shared.wanted);
             let same = |latest: &mut Wanted| latest.version == wanted.version;
@@ -138,14 +145,9 @@ impl Worker<'_> {
         if wanted.configuration != *self.world.configuration() {
             self.world = Arc::new(self.world.moved_to(&wanted.configuration));
             self.edited = Some(Instant::now());
-            match &mut self.light {
-                Light::Shooting { shooting, stale } => {
-                    *stale = !shooting.world().difference(&self.world).is_empty();
-                    if !*stale {
-                        shooting.change(self.world.clone());
-                    }
-                }
-                Light::Whole(solution) => solution.change(self.world.clone()),
+            self.looked = None;
+            if let Err(refused) = self.light.change(&self.world) {
+                self.go_without_ledger(refused);
             }
         }
         if wanted.started_over > self.edits {
@@ -157,84 +159,163 @@ impl Worker<'_> {
     }
 
     fn start_over(&mut self) {
-        self.light = Light::shoot(&self.rules, &self.world);
-        self.published = 0;
+        let Settings { pool, first_hits, ledger_bytes, .. } = self.settings;
+        // What a scene does not contain costs it nothing: where nothing moves there is no ledger.
+        let moves = self.world.configuration().objects().any(|(_, object)| object.dynamic);
+        let begun = (moves && ledger_bytes > 0)
+            .then(|| LedgerSolution::begin(pool, self.world.clone(), first_hits, ledger_bytes))
+            .transpose();
+        self.refused = begun.as_ref().err().copied();
+        self.light = match begun {
+            Ok(Some(ledger)) => Light::Ledger(Box::new(ledger)),
+            _ => Light::shoot(&self.rules, &self.world),
+        };
+        (self.published, self.goal, self.looked) = (0, pool.photons(), None);
+    }
+
+    /// The ledger cannot go on: what it has is thrown away unless all of it is right.
+    fn go_without_ledger(&mut self, refused: Refused) {
+        self.refused = Some(refused);
+        let right = if let Light::Ledger(ledger) = &self.light { ledger.to_shooting() } else { None };
+        self.light = match right {
+            Some(shooting) => Light::Shooting { shooting: Box::new(shooting), stale: false },
+            None => Light::shoot(&self.rules, &self.world),
+        };
+        self.published = self.published.min(self.light.photons());
+        self.light.finish(self.settings.pool, &self.world);
+    }
+
+    /// Photons that may be wrong, and those of the pool that are missing.
+    fn outstanding(&self) -> u64 {
+        self.light.outstanding() + self.settings.pool.photons().saturating_sub(self.light.photons())
+    }
+
+    /// Whether more photons than the pool's are wanted. Nothing is outstanding.
+    fn grows(&mut self, controls: &Controls) -> bool {
+        let photons = self.light.photons();
+        let Some(error) = controls.error.filter(|_| self.light.has_room()) else { return false };
+        if photons < self.goal {
+            return true;
+        }
+        if self.enough == Some((photons, error, self.edits)) {
+            return false;
+        }
+        let now = spread(&self.world, self.light.buckets(), &Scale::new(&self.world, photons));
+        if now <= error {
+            self.enough = Some((photons, error, self.edits));
+            return false;
+        }
+        // Noise falls with the root of the number of photons.
+        self.goal = (photons as f64 * (now / error).powi(2).clamp(1.0 + 1.0 / MORE as f64, 2.0)).ceil() as u64;
+        true
     }
 
     /// Shoots or repairs for the time of an iteration.
     fn iterate(&mut self, controls: &Controls) {
-        let little = self.pool.photons() / LITTLE;
+        let pool = self.settings.pool;
         if let Light::Shooting { shooting, stale: true } = &self.light
-            && self.thrown + shooting.photons() < little
+            && self.thrown + shooting.photons() < pool.photons() / LITTLE
         {
             self.thrown += shooting.photons();
-            self.start_over();
+            self.light = Light::shoot(&self.rules, &self.world);
+            self.published = 0;
         }
-        match &mut self.light {
-            Light::Shooting { shooting, stale } => {
-                let (before, start) = (shooting.work, Instant::now());
-                shooting.shoot(self.slab.min(self.pool.photons() - shooting.photons()));
-                // A slab takes an iteration: half to one and a half.
-                if start.elapsed() < controls.iteration / 2 {
-                    self.slab = (self.slab * 2).min(Shooting::SLAB);
-                } else if start.elapsed() > controls.iteration * 3 / 2 {
-                    self.slab = (self.slab / 2).max(Shooting::LEAST);
-                }
-                self.work += Work { photons: shooting.work.photons - before.photons, rays: shooting.work.rays - before.rays };
-                if shooting.photons() == self.pool.photons()
-                    && let Some(mut solution) = Solution::of(self.pool, Shooting::clone(shooting))
-                {
-                    if *stale {
-                        solution.change(self.world.clone());
-                    }
-                    self.light = Light::Whole(Box::new(solution));
-                }
-            }
-            Light::Whole(solution) => {
-                let start = Instant::now();
-                loop {
-                    let moving = self.edited.is_some_and(|edited| edited.elapsed() < RECENT);
-                    let repaired = match controls.order {
-                        Order::Adaptive if moving => solution.repair_shuffled(),
-                        Order::Shuffled => solution.repair_shuffled(),
-                        Order::Adaptive | Order::Urgent => solution.repair_next(),
-                    };
-                    let Some(repaired) = repaired else { break };
-                    self.work += repaired.work;
-                    if start.elapsed() >= controls.iteration {
-                        break;
-                    }
-                }
-            }
+        // Under edits that keep coming a pool becomes whole all the same: every other iteration shoots.
+        self.repaired = self.light.is_wrong() && !(self.repaired && self.light.photons() < pool.photons());
+        if self.repaired {
+            self.repair(controls);
+        } else {
+            self.shoot(controls);
         }
         self.news = true;
     }
 
-    /// Whether the next snapshot is awaited and worth its while.
-    fn is_due(&self) -> bool {
-        let published = lock(&self.shared.published);
-        let more = match self.light {
-            Light::Shooting { .. } => self.light.photons() * MORE >= self.published * (MORE + 1),
-            Light::Whole(_) => true,
-        };
-        published.light.is_none() || (published.taken && more)
+    fn shoot(&mut self, controls: &Controls) {
+        let start = Instant::now();
+        let goal = self.goal.max(self.settings.pool.photons());
+        match self.light.shoot_more(self.slab, goal) {
+            Grown::By(work) => self.work += work,
+            Grown::Refused(refused) => return self.go_without_ledger(refused),
+        }
+        // What does not fit is foreseen.
+        if let Light::Ledger(ledger) = &self.light
+            && let Err(refused) = ledger.admits(self.settings.pool.photons())
+        {
+            return self.go_without_ledger(refused);
+        }
+        self.light.finish(self.settings.pool, &self.world);
+        // A slab takes an iteration: half to one and a half.
+        if start.elapsed() < controls.iteration / 2 {
+            self.slab = (self.slab * 2).min(Shooting::SLAB);
+        } else if start.elapsed() > controls.iteration * 3 / 2 {
+            self.slab = (self.slab / 2).max(Shooting::LEAST);
+        }
     }
 
-    fn publish(&mut self) {
-        let (pool_photons, photons) = (self.pool.photons(), self.light.photons());
-        let (buckets, stale_groups, outstanding_photons) = match &self.light {
-            Light::Shooting { shooting, stale: false } => (shooting.buckets(), 0, pool_photons - photons),
-            Light::Shooting { shooting, stale: true } => (shooting.buckets(), self.pool.groups() as usize, pool_photons),
-            Light::Whole(solution) => (solution.buckets(), solution.stale_groups(), solution.stale_photons()),
+    fn repair(&mut self, controls: &Controls) {
+        let start = Instant::now();
+        while start.elapsed() < controls.iteration {
+            let moving = self.edited.is_some_and(|edited| edited.elapsed() < RECENT);
+            let visible_first = match controls.order {
+                Order::Adaptive => !moving,
+                Order::Shuffled => false,
+                Order::Urgent => true,
+            };
+            let work = match &mut self.light {
+                Light::Shooting { .. } => None,
+                Light::Groups(solution) if visible_first => solution.repair_next().map(|repaired| repaired.work),
+                Light::Groups(solution) => solution.repair_shuffled().map(|repaired| repaired.work),
+                Light::Ledger(ledger) => {
+                    if visible_first && !ledger.scan(SCAN) {
+                        continue;
+                    }
+                    if let (true, Some(frustum)) = (visible_first, self.frustum)
+                        && self.looked.is_none_or(|(last, when)| last != frustum && when.elapsed() > LOOK)
+                    {
+                        ledger.look(&frustum);
+                        self.looked = Some((frustum, Instant::now()));
+                    }
+                    ledger.repair_next().map(|mended| mended.work)
+                }
+            };
+            let Some(work) = work else { break };
+            self.work += work;
+            if let Light::Ledger(ledger) = &self.light
+                && ledger.is_too_large()
+            {
+                let (photons, needed, limit) = (ledger.photons(), ledger.bytes(), self.settings.ledger_bytes);
+                return self.go_without_ledger(Refused::Memory { photons, needed, limit });
+            }
+        }
+    }
+
+    /// Whether the next snapshot is awaited and worth its while. Exact light is always: somebody may wait for it.
+    fn is_due(&self) -> bool {
+        let published = lock(&self.shared.published);
+        let photons = self.light.photons();
+        let Some(last) = &published.light else { return photons > 0 };
+        if self.outstanding() == 0 && !(last.exact && last.edits == self.edits) {
+            return true;
+        }
+        let more = self.light.is_wrong() || photons * MORE >= self.published * (MORE + 1);
+        published.taken && photons > 0 && more
+    }
+
+    fn publish(&mut self, controls: &Controls) {
+        let (outstanding_photons, photons) = (self.outstanding(), self.light.photons());
+        let method = match &self.light {
+            Light::Ledger(ledger) => Method::Ledger { bytes: ledger.bytes() },
+            light => Method::Groups { stale: light.stale_groups(self.settings.pool), refused: self.refused },
         };
         let snapshot = Arc::new(Snapshot {
             world: self.world.clone(),
-            buckets: buckets.clone(),
+            buckets: self.light.buckets().clone(),
             scale: Scale::new(&self.world, photons),
             photons,
-            pool_photons,
-            stale_groups,
+            pool_photons: self.settings.pool.photons(),
+            method,
             outstanding_photons,
+            grows: outstanding_photons == 0 && self.grows(controls),
             work: self.work,
             edits: self.edits,
             exact: outstanding_photons == 0,

@@ -3,7 +3,7 @@
 use super::chart;
 use crate::view::{commands::Command, desk::Desk, light::Ready};
 use egui::{ComboBox, ProgressBar, Slider, Ui, vec2};
-use lightmend_photon::solver::Order;
+use lightmend_photon::solver::{Method, Order};
 use std::{
     collections::VecDeque,
     time::{Duration, Instant},
@@ -35,6 +35,9 @@ impl Rates {
     }
 }
 
+/// What is offered as the goal of sharpening where there was none, a share.
+const FINEST: f64 = 0.01;
+
 /// How much of the pool is still to be shot, per cent.
 pub fn outstanding_percent(ready: &Ready) -> f64 {
     100.0 * ready.snapshot.outstanding_photons as f64 / ready.snapshot.pool_photons.max(1) as f64
@@ -62,7 +65,9 @@ pub fn state_line(desk: &mut Desk, ui: &mut Ui) {
             Some(ready) => {
                 let snapshot = &ready.snapshot;
                 if desk.session.is_exact(snapshot) {
-                    ui.label("Light: exact").on_hover_text("To the bit what a fresh solution of this scene gives");
+                    let sharpens = if snapshot.grows { ", sharpening" } else { "" };
+                    ui.label(format!("Light: exact{sharpens}"))
+                        .on_hover_text("To the bit what a fresh solution of this scene with as many photons gives");
                 } else if snapshot.photons < snapshot.pool_photons {
                     ui.label(format!(
                         "Light: {} of {} photons shot",
@@ -113,9 +118,18 @@ fn numbers(desk: &mut Desk, ui: &mut Ui, ready: &Ready) {
             ui.end_row();
         };
         line(
+            "Pool",
+            format!("{} photons", short(snapshot.photons as f64)),
+            "Shot so far, each once; those that became wrong are re-shot",
+        );
+        let groups = match snapshot.method {
+            Method::Groups { stale, .. } => format!(", {stale} groups"),
+            Method::Ledger { .. } => String::new(),
+        };
+        line(
             "Outstanding",
-            format!("{} photons, {} groups", short(outstanding), snapshot.stale_groups),
-            "Photons that have not been shot, or not since the last change",
+            format!("{} photons{groups}", short(outstanding)),
+            "Photons that have not been shot, and those that may have become wrong",
         );
         let to_exact = match rates {
             _ if snapshot.exact => "now".to_owned(),
@@ -128,6 +142,19 @@ fn numbers(desk: &mut Desk, ui: &mut Ui, ready: &Ready) {
             format!("{:.1} %", 100.0 * ready.spread),
             "Estimated error of the indirect light of a mesh element when all is right, RMS over the scene. Four times the photons halve it",
         );
+        let (records, hint) = match snapshot.method {
+            Method::Ledger { bytes } => (
+                format!("{}B", short(bytes as f64)),
+                "Records of photons' paths: what an edit makes wrong is looked up in them (--memory)".to_owned(),
+            ),
+            Method::Groups { refused: None, .. } => {
+                ("none".to_owned(), "Nothing can be moved, or no memory was given: wrong photons are searched for by pilots".to_owned())
+            }
+            Method::Groups { refused: Some(why), .. } => {
+                ("none".to_owned(), format!("{why} (--memory): wrong photons are searched for by pilots, which takes several times as long"))
+            }
+        };
+        line("Records", records, &hint);
         let per_second = |n: Option<f64>| n.map_or("–".to_owned(), |n| format!("{}/s", short(n)));
         line("Photons", per_second(rates.map(|r| r[0])), "Shot or re-shot");
         line("Rays", per_second(rates.map(|r| r[1])), "Through the trees; a photon takes two to four, a re-shot one in both scenes");
@@ -169,6 +196,17 @@ fn controls(desk: &mut Desk, ui: &mut Ui) {
     if ui.add(slider).on_hover_text(hint).changed() {
         controls.iteration = Duration::from_secs_f64(milliseconds / 1000.0);
     }
+    let mut percent = 100.0 * controls.error.unwrap_or(FINEST);
+    ui.horizontal(|ui| {
+        let mut sharpens = controls.error.is_some();
+        ui.checkbox(&mut sharpens, "sharpen to").on_hover_text(
+            "Once nothing is wrong more photons are shot until the spread is no more than this, or the memory for their records is full. \
+             Half of it takes four times the photons",
+        );
+        let slider = Slider::new(&mut percent, 0.1..=10.0).logarithmic(true).suffix(" %").max_decimals(1);
+        ui.add_enabled(sharpens, slider);
+        controls.error = sharpens.then_some(percent / 100.0);
+    });
     let slider = Slider::new(&mut controls.iterations, 1..=20).text("iterations a frame");
     let hint = "After so many the new light is shown. More: less time goes into showing it; fewer: it comes in smaller steps";
     ui.add(slider).on_hover_text(hint);

@@ -1,0 +1,171 @@
+//! A drag by the clock: what the camera sees is wrong while a person drags and after, for the background solver with a ledger, without
+//! one, and starting over at every step.
+//!
+//! `cargo run --release -p lightmend-photon --example drag -- SCENE MOVES [PHOTONS] [OUT]`: steps of the script come at their times
+//! whatever the solver is at. Twenty times a second the newest light is compared with the drained light of the pose that stands then:
+//! RMS over the camera's pixels of the difference of irradiance, over the RMS of the drained light. Writes `drag.svg`, `drag.png` and
+//! `drag.tsv` into OUT (`out`). Threads: all cores; nothing is drawn meanwhile.
+
+#[path = "seed_figures/chart.rs"]
+#[allow(dead_code)]
+mod chart;
+
+use chart::{BLUE, Curve, GREEN, Panel, Panels, RED, Stroke};
+use lightmend_photon::{
+    body::TreePreset,
+    bucket::Buckets,
+    halton::Scrambling,
+    ledger::LedgerSolution,
+    path::FirstHits,
+    pool::Pool,
+    solver::{Controls, Settings, Solver},
+    visible::Visible,
+    world::World,
+};
+use lightmend_scene::{Configuration, Moves, Scene};
+use std::{
+    error::Error,
+    fmt::Write,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// A pose of the drag.
+struct Step {
+    at: f64,
+    configuration: Configuration,
+    /// What the camera sees of it, and how bright that is once it is drained.
+    visible: Visible,
+    drained: Vec<[f32; 3]>,
+}
+
+/// How it is repaired.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Ledger,
+    Stateless,
+    Restart,
+}
+
+const WAYS: [(Way, &str, plotters::style::RGBColor); 3] =
+    [(Way::Ledger, "ledger", BLUE), (Way::Stateless, "stateless", GREEN), (Way::Restart, "restart", RED)];
+
+/// Looks a second.
+const LOOKS: f64 = 20.0;
+
+/// Nobody waits longer for a curve to end, seconds.
+const LONGEST: f64 = 90.0;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let usage = "which scene, and which moves? --example drag -- SCENE MOVES [PHOTONS] [OUT]";
+    let (scene, moves) = (arguments.next().ok_or(usage)?, arguments.next().ok_or(usage)?);
+    let photons = arguments.next().map_or(Ok(20_000_000), |n| n.parse())?;
+    let out = arguments.next().unwrap_or_else(|| "out".into());
+    let (scene, _) = Scene::read(scene.as_ref())?;
+    let (moves, _) = Moves::read(moves.as_ref(), &scene)?;
+    let pool = Pool::new(photons, 288, 16, Scrambling::Seed(1))?;
+    let (start, steps) = poses(&scene, &moves, pool)?;
+    let whole = error(&steps[steps.len() - 1], &start);
+    println!("{}: {} steps, {photons} photons; the change is {:.2} % of what is seen", scene.name, steps.len(), 100.0 * whole);
+
+    let mut curves = Vec::new();
+    let mut table = String::from("way\tseconds\tvisible_error\n");
+    for (way, name, colour) in WAYS {
+        let (points, exact) = play(&scene, &steps, pool, way)?;
+        let dragging = points.iter().filter(|(at, _)| *at <= steps[steps.len() - 1].at);
+        let mean = dragging.clone().map(|(_, error)| error).sum::<f64>() / dragging.count().max(1) as f64;
+        let end = steps[steps.len() - 1].at;
+        let until = |share: f64| points.iter().rposition(|(_, error)| *error > share * whole).map_or(0.0, |n| points[n].0 - end);
+        println!(
+            "{name}: outstanding on average while dragged {:.1} % of the whole change; after release 5 % after {:.2} s, exact after {:.2} s",
+            100.0 * mean / whole,
+            until(0.05).max(0.0),
+            exact - end
+        );
+        for (at, error) in &points {
+            writeln!(table, "{name}\t{at:.3}\t{error:.6}")?;
+        }
+        let points = points.into_iter().map(|(at, error)| (at, 100.0 * error / whole)).collect();
+        curves.push(Curve { name: name.into(), colour, stroke: Stroke::Solid, points });
+    }
+    let panel = Panel {
+        title: format!("{}, dragged for {:.1} s, {photons} photons", scene.name, steps[steps.len() - 1].at),
+        across: "seconds".into(),
+        upwards: "outstanding, % of the change".into(),
+        curves,
+    };
+    let out = Path::new(&out);
+    std::fs::create_dir_all(out)?;
+    std::fs::write(out.join("drag.tsv"), table)?;
+    chart::write(out, "drag", &Panels { columns: 1, panels: vec![panel] })
+}
+
+/// Visible error of `light`, values of what is seen at a step, against its drained light.
+fn error(step: &Step, values: &[[f32; 3]]) -> f64 {
+    step.visible.difference(values, &step.drained)
+}
+
+/// The drained light of every pose; first what the last pose's camera sees of the light before the drag.
+fn poses(scene: &Arc<Scene>, moves: &Moves, pool: Pool) -> Result<(Vec<[f32; 3]>, Vec<Step>), Box<dyn Error>> {
+    let (_, view) = scene.cameras.first().ok_or("the scene has no camera")?;
+    let mut configuration = Configuration::initial(scene);
+    let world = Arc::new(World::new(&configuration, TreePreset::default()));
+    let mut ledger = LedgerSolution::shoot(pool, world, FirstHits::AsLampsSay, u64::MAX, &mut |_, _| true)?;
+    let values = |visible: &Visible, buckets: &Buckets, world: &World| {
+        visible.values(buckets, &lightmend_photon::irradiance::Scale::new(world, pool.photons()))
+    };
+    let before = (ledger.buckets().clone(), ledger.world().clone());
+    let mut steps = Vec::new();
+    for timed in &moves.edits {
+        for (after, edit) in timed.edit.steps(&configuration)? {
+            configuration = configuration.apply(&edit)?;
+            ledger.change(Arc::new(ledger.world().moved_to(&configuration)))?;
+            while ledger.repair_next().is_some() {}
+            let visible = Visible::new(ledger.world(), view);
+            let drained = values(&visible, ledger.buckets(), ledger.world());
+            steps.push(Step { at: timed.at + after, configuration: configuration.clone(), visible, drained });
+        }
+    }
+    let last = steps.last().ok_or("nothing moves")?;
+    Ok((values(&last.visible, &before.0, &before.1), steps))
+}
+
+/// Plays the steps by the clock: seconds and visible error, and when the light was exact.
+fn play(scene: &Arc<Scene>, steps: &[Step], pool: Pool, way: Way) -> Result<(Vec<(f64, f64)>, f64), Box<dyn Error>> {
+    let settings = Settings {
+        pool,
+        first_hits: FirstHits::AsLampsSay,
+        ledger_bytes: if way == Way::Ledger { u64::MAX } else { 0 },
+        threads: std::thread::available_parallelism()?.get(),
+        courteous: false,
+        controls: Controls::default(),
+    };
+    let solver = Solver::start(Configuration::initial(scene), settings)?;
+    let (_, view) = scene.cameras.first().ok_or("the scene has no camera")?;
+    solver.look(*view);
+    solver.wait_until_exact();
+    let began = Instant::now();
+    let (mut points, mut next, mut edits) = (Vec::new(), 0, 0);
+    for look in 1.. {
+        let at = f64::from(look) / LOOKS;
+        while let Some(step) = steps.get(next).filter(|step| step.at <= at) {
+            std::thread::sleep(Duration::from_secs_f64(step.at).saturating_sub(began.elapsed()));
+            edits = solver.edit(step.configuration.clone());
+            if way == Way::Restart {
+                edits = solver.start_over();
+            }
+            next += 1;
+        }
+        std::thread::sleep(Duration::from_secs_f64(at).saturating_sub(began.elapsed()));
+        let Some(light) = solver.snapshot() else { continue };
+        let step = &steps[next.max(1) - 1];
+        points.push((began.elapsed().as_secs_f64(), error(step, &step.visible.values(&light.buckets, &light.scale))));
+        if (next == steps.len() && light.exact && light.edits >= edits) || at > LONGEST {
+            break;
+        }
+    }
+    let exact = points.last().map_or(0.0, |(at, _)| *at);
+    Ok((points, exact))
+}
