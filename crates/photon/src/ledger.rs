@@ -15,6 +15,7 @@ mod numbers;
 mod repair;
 mod replay;
 mod scan;
+mod surfaces;
 
 use crate::{
     bucket::Buckets,
@@ -25,7 +26,7 @@ use crate::{
     visible::Frustum,
     world::World,
 };
-use chunk::{Chunk, Paths};
+use chunk::{Chunk, Loose};
 use grid::Grid;
 use held::{Held, Past, Since, WorldNumber};
 use numbers::Numbers;
@@ -37,6 +38,7 @@ use std::{
     fmt::{Debug, Formatter},
     sync::Arc,
 };
+use surfaces::Surfaces;
 
 /// Why there is no ledger: the stateless way is left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -49,9 +51,9 @@ pub enum Refused {
         /// Bytes.
         limit: u64,
     },
-    /// More triangles than numbers.
-    #[error("the scene has too many triangles for a ledger")]
-    Triangles,
+    /// More mesh elements than numbers.
+    #[error("the scene has too many mesh elements for a ledger")]
+    Elements,
     /// The caller ended the work.
     #[error("stopped while the ledger was begun")]
     Stopped,
@@ -93,7 +95,7 @@ impl LedgerSolution {
     ) -> Result<LedgerSolution, Refused> {
         let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits });
         let mut numbers = Numbers::default();
-        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
+        numbers.cover(world.configuration()).ok_or(Refused::Elements)?;
         let grid = Grid::new(world.bounds(), world.reach().metres);
         let lamps = world.configuration().lamp_slots();
         let mut buckets = Buckets::new(world.configuration());
@@ -104,12 +106,14 @@ impl LedgerSolution {
             let slab = start..(start + Shooting::SLAB).min(pool.photons());
             let shot: Vec<(Outcome, Chunk)> = (0..CLASSES)
                 .into_par_iter()
-                .map(|class| {
-                    let (mut outcome, mut paths) = (Outcome::new(lamps, false), Paths::default());
-                    for index in in_class(slab.clone(), class, rules.sequence.copies()) {
-                        recorder.trace(&rules, &world, index, &mut outcome, &mut paths);
+                .map_init(<(Loose, Vec<_>)>::default, |(loose, path), class| {
+                    let mut outcome = Outcome::new(lamps, false);
+                    loose.clear(in_class(slab.clone(), class, rules.sequence.copies()).count());
+                    for (photon, index) in in_class(slab.clone(), class, rules.sequence.copies()).enumerate() {
+                        let lamp = recorder.trace(&rules, &world, index, &mut outcome, path);
+                        loose.set(photon as u8, lamp, path);
                     }
-                    (outcome, Chunk::pack(&paths))
+                    (outcome, loose.store())
                 })
                 .collect();
             let mut rays = 0;
@@ -130,7 +134,7 @@ impl LedgerSolution {
         let mut shuffled: Vec<u32> = (0..chunks.len() as u32).collect();
         shuffle(&mut shuffled);
         let since = Arc::new(Since::new(&world, &world, &numbers, &grid));
-        let past = Past { world: world.clone(), surfaces: Arc::new(world.surfaces()), since };
+        let past = Past { world: world.clone(), surfaces: Arc::new(Surfaces::new(&world, None)), since };
         let pasts = BTreeMap::from([(0, past)]);
         let scanned = chunks.len();
         Ok(LedgerSolution {
@@ -180,7 +184,7 @@ impl LedgerSolution {
     /// From now on photons are brought to this world. Nothing is scanned or traced yet. If it is refused nothing changes.
     pub fn change(&mut self, world: Arc<World>) -> Result<(), Refused> {
         let mut numbers = self.numbers.clone();
-        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
+        numbers.cover(world.configuration()).ok_or(Refused::Elements)?;
         let needed = self.bytes();
         if needed > self.limit {
             return Err(Refused::Memory { needed, limit: self.limit });
@@ -190,6 +194,7 @@ impl LedgerSolution {
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
+        let surfaces = Arc::new(Surfaces::new(&self.world, self.pasts.values().last().map(|past| &*past.surfaces)));
         // What is right in a world without any difference is right in the newest, and what was marked there is right again.
         let used = |number: &WorldNumber, chunks: &[Held]| {
             chunks.iter().any(|held| held.right_in == *number || held.marked.iter().any(|(world, _)| world == number))
@@ -205,7 +210,7 @@ impl LedgerSolution {
             }
         }
         let since = Arc::new(Since::new(&self.world, &self.world, &self.numbers, &self.grid));
-        self.pasts.insert(self.newest, Past { world: self.world.clone(), surfaces: Arc::new(self.world.surfaces()), since });
+        self.pasts.insert(self.newest, Past { world: self.world.clone(), surfaces, since });
         self.scanned = 0;
         Ok(())
     }

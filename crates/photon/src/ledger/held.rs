@@ -8,10 +8,11 @@ use super::{
     grid::Grid,
     numbers::Numbers,
     scan::{Marks, Suspicion},
+    surfaces::Surfaces,
 };
 use crate::{
     visible::Frustum,
-    world::{Crowd, Difference, Surfaces, World},
+    world::{Crowd, Difference, World},
 };
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -102,7 +103,7 @@ impl Held {
         let of_level = |level: Level| {
             let inside =
                 |rank: usize| grid.point(level.places.map(|axis| axis[rank])).is_some_and(|point| frustum.contains(point));
-            (0..level.triangles.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
+            (0..level.elements.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
         };
         self.chunk.levels().map(of_level).sum()
     }

@@ -2,11 +2,10 @@
 
 use super::{
     LedgerSolution,
-    chunk::{Chunk, PHOTONS, Paths},
+    chunk::{Chunk, Entry, Loose, PHOTONS},
     gather,
     held::Past,
     replay::{Passage, Recorder},
-    scan::Marks,
 };
 use crate::{
     path::Outcome,
@@ -26,18 +25,27 @@ pub struct Mended {
     pub photons: Vec<PhotonIndex>,
 }
 
-/// Chunks repaired in one step. More: more for threads to share; fewer: a shorter step.
-const STEP: usize = 16;
+/// Marked photons from which on a step takes no more chunks. More: more for threads to share; fewer: a shorter step.
+const STEP: u32 = 1024;
 
-/// What repairing one chunk brings.
+/// What repairing some chunks brings.
 struct Repair {
     old: Outcome,
     new: Outcome,
     parted: u64,
     replayed: u64,
     photons: Vec<PhotonIndex>,
-    /// Its new records, if any path changed.
-    chunk: Option<Chunk>,
+    /// New records of chunks in which a path changed.
+    chunks: Vec<(usize, Chunk)>,
+    room: Room,
+}
+
+/// Room that is used again and again.
+#[derive(Default)]
+struct Room {
+    loose: Loose,
+    recorded: Vec<Entry>,
+    path: Vec<Entry>,
 }
 
 impl LedgerSolution {
@@ -49,94 +57,105 @@ impl LedgerSolution {
             // Otherwise its photons would be right in different worlds.
             self.chunks[*number].scan(&self.pasts, self.newest);
         }
-        let repairs: Vec<Repair> = next.par_iter().map(|number| self.repair_chunk(*number)).collect();
+        let lamps = self.tallies.len();
+        let nothing = || Repair {
+            old: Outcome::new(lamps, true),
+            new: Outcome::new(lamps, false),
+            parted: 0,
+            replayed: 0,
+            photons: Vec::new(),
+            chunks: Vec::new(),
+            room: Room::default(),
+        };
+        let add = |mut repair: Repair, number: &usize| {
+            self.repair_chunk(*number, &mut repair);
+            repair
+        };
+        let repairs: Vec<Repair> = next.par_iter().fold(nothing, add).collect();
         let mut mended = Mended::default();
-        for (number, repair) in next.iter().zip(repairs) {
+        for repair in repairs {
             for outcome in [&repair.old, &repair.new] {
                 gather(&mut self.buckets, &mut self.tallies, outcome);
             }
             mended.work += Work { photons: repair.parted, rays: repair.new.rays };
             mended.replayed += repair.replayed;
             mended.photons.extend(repair.photons);
-            let held = &mut self.chunks[*number];
-            held.marked.clear();
-            if let Some(chunk) = repair.chunk {
-                held.chunk = chunk;
+            for (number, chunk) in repair.chunks {
+                self.chunks[number].chunk = chunk;
             }
+        }
+        for number in &next {
+            self.chunks[*number].marked.clear();
         }
         (!next.is_empty()).then_some(mended)
     }
 
     fn next_chunks(&mut self) -> Vec<usize> {
-        let mut next = Vec::new();
-        let is_marked = |number: u32| !self.chunks[number as usize].marked.is_empty();
-        while next.len() < STEP
+        let (mut next, mut marks) = (Vec::new(), 0);
+        while marks < STEP
             && let Some(number) = self.visible.pop()
         {
-            next.extend(is_marked(number).then_some(number as usize));
+            let number = number as usize;
+            if !self.chunks[number].marked.is_empty() {
+                marks += self.chunks[number].marks();
+                next.push(number);
+            }
         }
         if next.is_empty() {
             let chunks = self.shuffled.len();
-            let turns = (self.turn..self.turn + chunks).map(|turn| turn % chunks);
-            for turn in turns.filter(|turn| is_marked(self.shuffled[*turn])).take(STEP) {
-                next.push(self.shuffled[turn] as usize);
-                self.turn = turn + 1;
+            for turn in (self.turn..self.turn + chunks).map(|turn| turn % chunks) {
+                let number = self.shuffled[turn] as usize;
+                if !self.chunks[number].marked.is_empty() {
+                    marks += self.chunks[number].marks();
+                    next.push(number);
+                    self.turn = turn + 1;
+                    if marks >= STEP {
+                        break;
+                    }
+                }
             }
         }
         next
     }
 
-    fn repair_chunk(&self, number: usize) -> Repair {
+    fn repair_chunk(&self, number: usize, repair: &mut Repair) {
         let held = &self.chunks[number];
-        let lamps = self.tallies.len();
-        let mut repair = Repair {
-            old: Outcome::new(lamps, true),
-            new: Outcome::new(lamps, false),
-            parted: 0,
-            replayed: 0,
-            photons: Vec::new(),
-            chunk: None,
-        };
-        let passages: Vec<(Passage, &Marks)> = held
-            .marked
-            .iter()
-            .map(|(past, marks)| {
-                let Past { world, surfaces, since } = &self.pasts[past];
-                let passage = Passage {
-                    rules: &self.rules,
-                    before: world,
-                    surfaces,
-                    after: &self.world,
-                    changed: &since.changed,
-                    moved_out: &since.moved_out,
-                    moved_in: &since.moved_in,
-                    recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
-                };
-                (passage, marks)
-            })
-            .collect();
-        let mut passage_of = [None; PHOTONS];
-        for (rank, photon) in held.chunk.order().iter().enumerate() {
-            passage_of[usize::from(*photon)] = passages.iter().find(|(_, marks)| marks.has(rank)).map(|(passage, _)| passage);
+        let mut passages = Vec::new();
+        let mut passage_of = [u8::MAX; PHOTONS];
+        for (past, marks) in &held.marked {
+            for rank in marks.ranks() {
+                passage_of[usize::from(held.chunk.order()[rank])] = passages.len() as u8;
+            }
+            let Past { world, surfaces, since } = &self.pasts[past];
+            passages.push(Passage {
+                rules: &self.rules,
+                before: world,
+                surfaces,
+                after: &self.world,
+                changed: &since.changed,
+                moved_out: &since.moved_out,
+                moved_in: &since.moved_in,
+                recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
+            });
         }
-        let (recorded, mut paths) = (held.chunk.unpack(), Paths::default());
+        let Repair { old, new, parted, replayed, photons, chunks, room: Room { loose, recorded, path } } = repair;
+        let parted_before = *parted;
+        loose.load(&held.chunk);
         for (photon, index) in self.members(number).enumerate() {
-            let (lamp, path) = recorded.get(photon);
-            match passage_of[photon] {
-                Some(passage) => {
-                    let (parts, replayed) = passage.repair(index, path, &mut repair.old, &mut repair.new, &mut paths);
-                    repair.parted += u64::from(parts);
-                    repair.replayed += replayed;
-                    repair.photons.push(index);
+            if let Some(passage) = passages.get(usize::from(passage_of[photon])) {
+                let lamp = loose.get(photon as u8, recorded);
+                let mending = passage.repair(index, lamp, recorded, old, new, path);
+                if mending.parts {
+                    loose.set(photon as u8, mending.lamp, path);
+                    *parted += 1;
                 }
-                None => {
-                    path.iter().for_each(|entry| paths.push(*entry));
-                    paths.finish(lamp);
-                }
+                *replayed += mending.replayed;
+                photons.push(index);
             }
         }
-        repair.chunk = (repair.parted > 0).then(|| Chunk::pack(&paths));
-        repair
+        if *parted > parted_before {
+            chunks.push((number, loose.store()));
+        }
     }
 
     /// The photons of a chunk.
