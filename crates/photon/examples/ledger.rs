@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p lightmend-photon --example ledger -- SCENE MOVES [PHOTONS] [ROUNDS]` goes through the edits of a script: scan and
 //! repair of each against a restart. With `sizes` instead of MOVES, everything movable is moved by 0.2 m along x, one by one, and
-//! scanned for. Medians of ROUNDS (5) in turn; threads by `RAYON_NUM_THREADS`. Only ratios carry over to another machine or moment.
+//! scanned for. Medians of ROUNDS (5) in turn, of
+//! processor time and by the clock; threads by `RAYON_NUM_THREADS`. Only ratios carry over to another machine or moment.
 
 use lightmend_photon::{
     body::TreePreset,
@@ -35,18 +36,33 @@ fn main() -> Fallible<()> {
     drop(shot?);
     let ledger = ledger?;
     println!(
-        "{} threads; shot in {plain:.2} s, with its ledger in {kept:.2} s; {:.1} bytes, {:.2} hits a photon",
+        "{} threads; shot in {:.2} s of the processor, with its ledger in {:.2} s; {:.1} bytes, {:.2} hits a photon",
         rayon::current_num_threads(),
+        plain[1],
+        kept[1],
         ledger.bytes() as f64 / photons as f64,
         ledger.entries() as f64 / photons as f64
     );
     if moves == "sizes" { sizes(ledger, rounds) } else { script(ledger, &Moves::read(moves.as_ref(), &scene)?.0, rounds) }
 }
 
-fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
-    let start = Instant::now();
+/// Seconds by the clock and of the processor.
+type Seconds = [f64; 2];
+
+/// What all threads have computed so far, seconds; none where the system does not tell.
+fn computed() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let of_thread = |thread: std::fs::DirEntry| {
+        let text = std::fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
+        text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0)
+    };
+    threads.map(of_thread).sum::<f64>() * 1e-9
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
+    let (start, before) = (Instant::now(), computed());
     let result = work();
-    (start.elapsed().as_secs_f64(), result)
+    ([start.elapsed().as_secs_f64(), computed() - before], result)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -77,12 +93,13 @@ fn drain(ledger: &mut LedgerSolution) -> (Work, u64) {
 /// Each edit of a script: the ledger goes there and back, and a new solution is shot there, in turn.
 fn script(mut ledger: LedgerSolution, moves: &Moves, rounds: usize) -> Fallible<()> {
     println!(
-        "edit\tmarked\twrong\treplayed\trays: share of restart\tscan ms\trepair ms\trestart ms\trepair ÷ restart\t÷ share of rays\tscan ÷ restart"
+        "edit\tmarked\twrong\thits replayed\trays ÷ restart's\tprocessor: scan ms\trepair ms\trestart ms\tscan ÷ restart\trepair ÷ restart\t\
+         ÷ share of rays\tclock: scan ÷ restart\trepair ÷ restart\t÷ share of rays"
     );
     for (number, timed_edit) in moves.edits.iter().enumerate() {
         let before = ledger.world().clone();
         let after = Arc::new(before.moved_to(&before.configuration().apply(&timed_edit.edit)?));
-        let mut seconds: [Vec<f64>; 5] = Default::default();
+        let mut seconds: [[Vec<f64>; 5]; 2] = Default::default();
         let (mut marked, mut work, mut replayed, mut rays) = (0, Work::default(), 0, 0);
         for round in 0..rounds {
             if round > 0 {
@@ -102,20 +119,20 @@ fn script(mut ledger: LedgerSolution, moves: &Moves, rounds: usize) -> Fallible<
             if !ledger.to_solution().is_some_and(|solution| solution.equals(&fresh.0)) {
                 return Err(format!("edit {number}: the light is not that of a restart").into());
             }
-            let repair = changing + repair;
-            let ratios = [scan, repair, restart, repair / restart, scan / restart];
-            seconds.iter_mut().zip(ratios).for_each(|(all, one)| all.push(one));
+            for (k, seconds) in seconds.iter_mut().enumerate() {
+                let (scan, repair, restart) = (scan[k], changing[k] + repair[k], restart[k]);
+                let all = [scan, repair, restart, scan / restart, repair / restart];
+                seconds.iter_mut().zip(all).for_each(|(all, one)| all.push(one));
+            }
         }
-        let [scan, repair, restart, ratio, scan_ratio] = seconds.map(median);
+        let [clock, processor] = seconds.map(|seconds| seconds.map(median));
         let share = work.rays as f64 / rays as f64;
-        println!(
-            "{number}\t{marked}\t{}\t{replayed}\t{share:.4}\t{:.2}\t{:.2}\t{:.0}\t{ratio:.4}\t{:.2}\t{scan_ratio:.4}",
-            work.photons,
-            scan * 1e3,
-            repair * 1e3,
-            restart * 1e3,
-            ratio / share
-        );
+        let [scan, repair, restart] = [0, 1, 2].map(|n| processor[n] * 1e3);
+        print!("{number}\t{marked}\t{}\t{replayed}\t{share:.4}\t{scan:.2}\t{repair:.2}\t{restart:.0}", work.photons);
+        for [.., scan, repair] in [processor, clock] {
+            print!("\t{scan:.4}\t{repair:.4}\t{:.2}", repair / share);
+        }
+        println!();
     }
     Ok(())
 }
@@ -146,8 +163,8 @@ fn sizes(mut ledger: LedgerSolution, rounds: usize) -> Fallible<()> {
             ledger.change(away.clone())?;
             let (scan, _) = timed(|| ledger.scan(usize::MAX));
             let (restart, _) = timed(|| shoot(*ledger.pool(), &home));
-            scans.push(scan);
-            shares.push(scan / restart);
+            scans.push(scan[1]);
+            shares.push(scan[1] / restart[1]);
             marked = ledger.marked_photons();
             ledger.change(home.clone())?;
         }
