@@ -70,6 +70,11 @@ impl Body {
         Body { triangles, tree, bounds: [low - padding, high + padding] }
     }
 
+    /// In the order of the tree's leaves.
+    pub(crate) fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
     /// Makes `best` the nearest of itself and what the ray meets here.
     #[inline(always)]
     pub(crate) fn nearest<'t, L: Lanes>(&'t self, beam: &Beam<L>, best: &mut Option<Hit<'t>>) {

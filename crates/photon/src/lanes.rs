@@ -17,6 +17,8 @@ pub trait Lanes: Copy {
     fn splat(self, x: f32) -> Self::Numbers;
     /// From memory.
     fn load(self, from: &[f32; LANES]) -> Self::Numbers;
+    /// From whole numbers in memory.
+    fn widen(self, from: &[u16; LANES]) -> Self::Numbers;
     /// To memory.
     fn store(self, x: Self::Numbers) -> [f32; LANES];
     /// a + b
@@ -31,6 +33,10 @@ pub trait Lanes: Copy {
     fn min(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// The larger; b if one is not a number.
     fn max(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    /// |a|
+    fn abs(self, a: Self::Numbers) -> Self::Numbers;
+    /// Whether whole numbers in memory are among the `count` ones from `first` on; `count` is at least 1.
+    fn among(self, from: &[u32; LANES], first: u32, count: u32) -> Self::Mask;
     /// a < b
     fn less(self, a: Self::Numbers, b: Self::Numbers) -> Self::Mask;
     /// a ≤ b
@@ -93,6 +99,10 @@ impl Lanes for Portable {
         *from
     }
     #[inline(always)]
+    fn widen(self, from: &[u16; LANES]) -> [f32; LANES] {
+        from.map(f32::from)
+    }
+    #[inline(always)]
     fn store(self, x: [f32; LANES]) -> [f32; LANES] {
         x
     }
@@ -119,6 +129,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn max(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
         each(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+    #[inline(always)]
+    fn abs(self, a: [f32; LANES]) -> [f32; LANES] {
+        a.map(f32::abs)
+    }
+    #[inline(always)]
+    fn among(self, from: &[u32; LANES], first: u32, count: u32) -> u32 {
+        mask(|k| from[k].wrapping_sub(first) < count)
     }
     #[inline(always)]
     fn less(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
@@ -183,6 +201,10 @@ mod avx2 {
             intrinsic!(_mm256_loadu_ps(from.as_ptr()))
         }
         #[inline(always)]
+        fn widen(self, from: &[u16; LANES]) -> __m256 {
+            intrinsic!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))))
+        }
+        #[inline(always)]
         fn store(self, x: __m256) -> [f32; LANES] {
             let mut to = [0.0; LANES];
             intrinsic!(_mm256_storeu_ps(to.as_mut_ptr(), x));
@@ -211,6 +233,18 @@ mod avx2 {
         #[inline(always)]
         fn max(self, a: __m256, b: __m256) -> __m256 {
             intrinsic!(_mm256_max_ps(a, b))
+        }
+        #[inline(always)]
+        fn abs(self, a: __m256) -> __m256 {
+            intrinsic!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
+        }
+        #[inline(always)]
+        fn among(self, from: &[u32; LANES], first: u32, count: u32) -> __m256 {
+            intrinsic!({
+                let off = _mm256_sub_epi32(_mm256_loadu_si256(from.as_ptr().cast()), _mm256_set1_epi32(first as i32));
+                let last = _mm256_set1_epi32((count - 1) as i32);
+                _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(off, last), off))
+            })
         }
         #[inline(always)]
         fn less(self, a: __m256, b: __m256) -> __m256 {

@@ -15,6 +15,7 @@ mod numbers;
 mod repair;
 mod replay;
 mod scan;
+mod surfaces;
 
 use crate::{
     bucket::Buckets,
@@ -25,7 +26,7 @@ use crate::{
     visible::Frustum,
     world::World,
 };
-use chunk::{Chunk, Paths};
+use chunk::Loose;
 use grid::Grid;
 use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
@@ -37,6 +38,7 @@ use std::{
     fmt::{Debug, Formatter},
     sync::Arc,
 };
+use surfaces::Surfaces;
 
 /// Why there is no ledger: the stateless way is left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -51,9 +53,9 @@ pub enum Refused {
         /// Bytes.
         limit: u64,
     },
-    /// More triangles than numbers.
-    #[error("the scene has too many triangles for a ledger")]
-    Triangles,
+    /// More mesh elements than numbers.
+    #[error("the scene has too many mesh elements for a ledger")]
+    Elements,
     /// The caller ended the work.
     #[error("stopped while the ledger was begun")]
     Stopped,
@@ -98,9 +100,9 @@ impl LedgerSolution {
     /// Nothing shot yet, and at most `limit` bytes of records ever. `pool` says how photons are made and grouped; it may grow beyond.
     pub fn begin(pool: Pool, world: Arc<World>, first_hits: FirstHits, limit: u64) -> Result<LedgerSolution, Refused> {
         let mut numbers = Numbers::default();
-        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
+        numbers.cover(world.configuration()).ok_or(Refused::Elements)?;
         let grid = Grid::new(world.bounds(), world.reach().metres);
-        let past = Past::new(&world, &world, &numbers, &grid);
+        let past = Past::new(&world, Arc::new(Surfaces::new(&world, None)), &world, &numbers, &grid);
         Ok(LedgerSolution {
             pool,
             rules: Arc::new(Rules { sequence: pool.sequence(), first_hits }),
@@ -171,12 +173,15 @@ impl LedgerSolution {
         let newest = self.newest;
         let shot: Vec<(Outcome, Held)> = (first..(first + classes.max(1) as u64).min(CLASSES))
             .into_par_iter()
-            .map(|class| {
-                let (mut outcome, mut paths) = (Outcome::new(lamps, false), Paths::default());
-                for index in in_class(slab.clone(), class, self.rules.sequence.copies()) {
-                    recorder.trace(&self.rules, world, index, &mut outcome, &mut paths);
+            .map_init(<(Loose, Vec<_>)>::default, |(loose, path), class| {
+                let mut outcome = Outcome::new(lamps, false);
+                let photons = || in_class(slab.clone(), class, self.rules.sequence.copies());
+                loose.clear(photons().count());
+                for (photon, index) in photons().enumerate() {
+                    let lamp = recorder.trace(&self.rules, world, index, &mut outcome, path);
+                    loose.set(photon as u8, lamp, path);
                 }
-                (outcome, Held { chunk: Chunk::pack(&paths), right_in: newest, marked: Vec::new() })
+                (outcome, Held { chunk: loose.store(), right_in: newest, marked: Vec::new() })
             })
             .collect();
         let photons = shot.iter().map(|(_, held)| held.photons()).sum();
@@ -239,18 +244,20 @@ impl LedgerSolution {
     /// From now on photons are brought to this world. Nothing is scanned or traced yet. If it is refused nothing changes.
     pub fn change(&mut self, world: Arc<World>) -> Result<(), Refused> {
         let mut numbers = self.numbers.clone();
-        numbers.cover(world.configuration()).ok_or(Refused::Triangles)?;
+        numbers.cover(world.configuration()).ok_or(Refused::Elements)?;
         self.numbers = numbers;
         self.buckets.grow(world.configuration());
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
+        let surfaces = Arc::new(Surfaces::new(&self.world, self.pasts.values().last().map(|past| &*past.surfaces)));
         self.forget_unused_pasts();
         for past in self.pasts.values_mut() {
             past.lead_to(&self.world, &self.numbers, &self.grid);
         }
         self.newest += 1;
-        self.pasts.insert(self.newest, Past::new(&self.world, &self.world, &self.numbers, &self.grid));
+        let newest = Past::new(&self.world, surfaces, &self.world, &self.numbers, &self.grid);
+        self.pasts.insert(self.newest, newest);
         // What is right in a world without any difference is right in the newest, and what was marked there is right again.
         let like_newest: Vec<WorldNumber> =
             self.pasts.iter().filter(|(_, past)| past.since.changed.is_empty()).map(|(number, _)| *number).collect();

@@ -64,6 +64,34 @@ pub struct Photon<'w> {
     ray: Ray<'w>,
 }
 
+/// What a photon brings to a hit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Brought {
+    /// The number of its lamp.
+    pub lamp: u16,
+    /// What is left of it, per channel.
+    pub throughput: Vec3,
+    /// Whether the hit deposits.
+    pub counts: bool,
+}
+
+impl Brought {
+    /// To the first hit after a lamp.
+    pub(crate) fn from_lamp(rules: &Rules, world: &World, lamp: u16) -> Brought {
+        let counts = match rules.first_hits {
+            FirstHits::AsLampsSay => world.configuration().lamp(usize::from(lamp)).direct == Direct::Photons,
+            FirstHits::Never => false,
+            FirstHits::Always => true,
+        };
+        Brought { lamp, throughput: Vec3::ONE, counts }
+    }
+
+    /// What is brought on after reflection.
+    pub(crate) fn reflected(self, reflectance: Vec3) -> Brought {
+        Brought { throughput: self.throughput * (reflectance / reflectance.max_element()), counts: true, ..self }
+    }
+}
+
 /// What happens to a photon, as it happens.
 pub trait Record {
     /// It meets a surface with the given throughput; `deposits` says whether the hit counts.
@@ -80,12 +108,14 @@ impl<'w> Photon<'w> {
         let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
         let ray = Ray::new(world.lamps()[lamp].position.as_vec3(), direction, None, 0.0);
-        let first_counts = match rules.first_hits {
-            FirstHits::AsLampsSay => world.configuration().lamp(lamp).direct == Direct::Photons,
-            FirstHits::Never => false,
-            FirstHits::Always => true,
-        };
-        Some(Photon { index, lamp: lamp as u16, first_counts, hits: 0, throughput: Vec3::ONE, ray })
+        let lamp = lamp as u16;
+        let Brought { throughput, counts, .. } = Brought::from_lamp(rules, world, lamp);
+        Some(Photon { index, lamp, first_counts: counts, hits: 0, throughput, ray })
+    }
+
+    /// What it brings to its next hit.
+    pub(crate) fn brings(&self) -> Brought {
+        Brought { lamp: self.lamp, throughput: self.throughput, counts: self.hits > 0 || self.first_counts }
     }
 
     /// Whether it leaves the same lamp on the same ray.
@@ -118,8 +148,7 @@ impl<'w> Photon<'w> {
         };
         let normal = hit.triangle.normal;
         let back = normal.dot(self.ray.direction) > 0.0;
-        let deposits = self.hits > 0 || self.first_counts;
-        record.hit(&hit, u8::from(back), self.throughput, self.lamp, deposits, world);
+        record.hit(&hit, u8::from(back), self.throughput, self.lamp, self.brings().counts, world);
         let reflectance = reflectance(world, &hit);
         let survival = reflectance.max_element();
         let dimension = 2 + 2 * self.hits as usize;
@@ -128,7 +157,7 @@ impl<'w> Photon<'w> {
             record.end(End::Absorbed, self.throughput, self.lamp);
             return None;
         }
-        let throughput = self.throughput * (reflectance / survival);
+        let throughput = self.brings().reflected(reflectance).throughput;
         if self.hits + 1 == LONGEST_PATH {
             record.end(End::Cut, throughput, self.lamp);
             return None;
@@ -357,14 +386,19 @@ impl Outcome {
     pub fn new(lamps: usize, negative: bool) -> Outcome {
         Outcome { deposits: Vec::new(), tallies: vec![Tally::default(); lamps], rays: 0, negative }
     }
+
+    /// Adds a deposit.
+    #[inline]
+    pub(crate) fn deposit(&mut self, to: Address, throughput: Vec3) {
+        self.deposits.push(Deposit { to, negative: self.negative, energy: energy(throughput) });
+    }
 }
 
 impl Record for Outcome {
     #[inline]
     fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
         if deposits {
-            let to = Address { object: hit.triangle.object() as u32, cell: cell(world, hit), side, lamp };
-            self.deposits.push(Deposit { to, negative: self.negative, energy: energy(throughput) });
+            self.deposit(Address { object: hit.triangle.object() as u32, cell: cell(world, hit), side, lamp }, throughput);
         }
     }
 

@@ -15,11 +15,11 @@ use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation};
 use std::sync::Arc;
 
 /// An object where it stands, with a tree of its own.
-struct Placed {
-    id: usize,
+pub(crate) struct Placed {
+    pub(crate) id: usize,
     mesh: Arc<Mesh>,
     motion: Motion,
-    body: Body,
+    pub(crate) body: Body,
 }
 
 /// Objects with trees of their own, in order of their numbers, and their boxes side by side.
@@ -37,6 +37,11 @@ impl Crowd {
 
     fn find(&self, id: usize) -> Option<&Arc<Placed>> {
         self.placed.binary_search_by_key(&id, |placed| placed.id).ok().map(|n| &self.placed[n])
+    }
+
+    /// They, in order of their numbers.
+    pub(crate) fn placed(&self) -> &[Arc<Placed>] {
+        &self.placed
     }
 
     /// The boxes about them, padded.
@@ -84,23 +89,6 @@ impl<'t> Task for Nearest<'t, '_> {
             body.nearest(&beam, &mut best);
         }
         best
-    }
-}
-
-/// Where every object of a world stands: its triangles one by one, to the bits of those in the trees, without the trees.
-pub struct Surfaces {
-    /// By the object's number: where it stands and the hash of its name; `None` if it is gone.
-    stands: Vec<Option<(Motion, u64)>>,
-    configuration: Configuration,
-}
-
-impl Surfaces {
-    /// A triangle of an object that is there.
-    pub fn triangle(&self, object: usize, in_mesh: usize) -> Option<Triangle> {
-        let (motion, key) = (*self.stands.get(object)?)?;
-        let mesh = &self.configuration.object(object).mesh;
-        let corners = mesh.triangles[in_mesh].map(|corner| motion.point(mesh.positions[corner as usize]).as_vec3());
-        Some(Triangle::new(corners, key, object, in_mesh))
     }
 }
 
@@ -286,14 +274,19 @@ impl World {
         Crowd::new(ids.iter().map(placed).collect())
     }
 
-    /// Its objects' triangles.
-    pub fn surfaces(&self) -> Surfaces {
-        let mut stands = vec![None; self.configuration.object_slots()];
-        let fixed = self.fixed_objects.iter().map(|(id, _, motion)| (*id, *motion));
-        for (id, motion) in fixed.chain(self.crowd.placed.iter().map(|placed| (placed.id, placed.motion))) {
-            stands[id] = Some((motion, of_name(&self.object(id).name)));
-        }
-        Surfaces { stands, configuration: self.configuration.clone() }
+    /// What never moves.
+    pub(crate) fn fixed(&self) -> &Arc<Body> {
+        &self.fixed
+    }
+
+    /// The objects of [`fixed`](Self::fixed), in order.
+    pub(crate) fn fixed_objects(&self) -> impl Iterator<Item = usize> + '_ {
+        self.fixed_objects.iter().map(|(id, ..)| *id)
+    }
+
+    /// All other objects.
+    pub(crate) fn crowd(&self) -> &Crowd {
+        &self.crowd
     }
 
     /// The box about all that is there, padded, and the lamps.

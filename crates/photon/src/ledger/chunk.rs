@@ -15,44 +15,12 @@ pub const PHOTONS: usize = (Shooting::SLAB / CLASSES) as usize;
 pub struct Entry {
     /// Where.
     pub place: Place,
-    /// The triangle's number, or that it escaped.
-    pub triangle: u32,
+    /// The number of the side of a mesh element, or that it escaped.
+    pub element: u32,
 }
 
 /// Of a photon that left no lamp.
 pub const NO_LAMP: u16 = u16::MAX;
-
-/// Paths one after the other, while they are worked on.
-#[derive(Debug, Default)]
-pub struct Paths {
-    entries: Vec<Entry>,
-    /// Per photon: its lamp, and one past its last entry.
-    photons: Vec<(u16, usize)>,
-}
-
-impl Paths {
-    /// Adds an entry to the path that is being written.
-    pub fn push(&mut self, entry: Entry) {
-        self.entries.push(entry);
-    }
-
-    /// Ends the path that is being written; the next one begins.
-    pub fn finish(&mut self, lamp: u16) {
-        self.photons.push((lamp, self.entries.len()));
-    }
-
-    /// How many paths are finished.
-    pub fn len(&self) -> usize {
-        self.photons.len()
-    }
-
-    /// Lamp and entries of a path.
-    pub fn get(&self, photon: usize) -> (u16, &[Entry]) {
-        let start = if photon == 0 { 0 } else { self.photons[photon - 1].1 };
-        let (lamp, end) = self.photons[photon];
-        (lamp, &self.entries[start..end])
-    }
-}
 
 /// Paths at rest.
 #[derive(Debug, Clone, Default)]
@@ -65,90 +33,22 @@ pub struct Chunk {
     levels: Box<[u16]>,
     /// x of all entries, then y, then z.
     places: Box<[u16]>,
-    triangles: Box<[u32]>,
+    elements: Box<[u32]>,
 }
 
-/// The entries of one level, by rank.
+/// The entries of one level or of all, one level after the other; by rank.
 #[derive(Debug, Clone, Copy)]
 pub struct Level<'a> {
     /// x, y and z.
     pub places: [&'a [u16]; 3],
-    /// Numbers of triangles.
-    pub triangles: &'a [u32],
+    /// Numbers of elements.
+    pub elements: &'a [u32],
 }
 
 impl Chunk {
-    /// Lays paths out.
-    pub fn pack(paths: &Paths) -> Chunk {
-        let length = |photon: u8| paths.get(usize::from(photon)).1.len();
-        let mut order: Vec<u8> = (0..paths.len()).map(|photon| photon as u8).collect();
-        order.sort_by_key(|photon| std::cmp::Reverse(length(*photon)));
-        let mut lamps: Vec<u16> = order.iter().map(|photon| paths.get(usize::from(*photon)).0).collect();
-        if lamps.iter().all(|lamp| *lamp == lamps[0]) {
-            lamps.truncate(1);
-        }
-        let entries = paths.entries.len();
-        let (mut places, mut triangles) = (vec![0; 3 * entries], Vec::with_capacity(entries));
-        let mut levels = Vec::new();
-        let mut reaching = order.len();
-        for level in 0.. {
-            while reaching > 0 && length(order[reaching - 1]) <= level {
-                reaching -= 1;
-            }
-            if reaching == 0 {
-                break;
-            }
-            for photon in &order[..reaching] {
-                let entry = paths.get(usize::from(*photon)).1[level];
-                for axis in 0..3 {
-                    places[axis * entries + triangles.len()] = entry.place[axis];
-                }
-                triangles.push(entry.triangle);
-            }
-            levels.push(reaching as u16);
-        }
-        Chunk {
-            order: order.into(),
-            lamps: lamps.into(),
-            levels: levels.into(),
-            places: places.into(),
-            triangles: triangles.into(),
-        }
-    }
-
-    /// The paths again, in the photons' order.
-    pub fn unpack(&self) -> Paths {
-        let mut rank_of = [0u8; PHOTONS];
-        for (rank, photon) in self.order.iter().enumerate() {
-            rank_of[usize::from(*photon)] = rank as u8;
-        }
-        let mut paths = Paths::default();
-        paths.entries.reserve(self.triangles.len());
-        for rank in &rank_of[..self.order.len()] {
-            let rank = usize::from(*rank);
-            let mut start = 0;
-            for reaching in self.levels.iter().map(|n| usize::from(*n)).take_while(|n| rank < *n) {
-                paths.push(self.entry(start + rank));
-                start += reaching;
-            }
-            paths.finish(self.lamp(rank));
-        }
-        paths
-    }
-
-    fn entry(&self, number: usize) -> Entry {
-        let entries = self.triangles.len();
-        let place = std::array::from_fn(|axis| self.places[axis * entries + number]);
-        Entry { place, triangle: self.triangles[number] }
-    }
-
     /// The lamp of each rank, or one for all.
     pub fn lamps(&self) -> &[u16] {
         &self.lamps
-    }
-
-    fn lamp(&self, rank: usize) -> u16 {
-        if self.lamps.len() == 1 { self.lamps[0] } else { self.lamps[rank] }
     }
 
     /// The photon of each rank.
@@ -156,53 +56,222 @@ impl Chunk {
         &self.order
     }
 
+    /// How many paths reach each level.
+    pub fn reaching(&self) -> &[u16] {
+        &self.levels
+    }
+
+    /// The entries of all levels.
+    pub fn all(&self) -> Level<'_> {
+        let (x, rest) = self.places.split_at(self.elements.len());
+        let (y, z) = rest.split_at(self.elements.len());
+        Level { places: [x, y, z], elements: &self.elements }
+    }
+
     /// Level by level, first hits first.
     pub fn levels(&self) -> impl Iterator<Item = Level<'_>> {
-        let entries = self.triangles.len();
+        let all = self.all();
         let mut start = 0;
         self.levels.iter().map(move |reaching| {
             let range = start..start + usize::from(*reaching);
             start = range.end;
-            let places = std::array::from_fn(|axis| &self.places[axis * entries + range.start..axis * entries + range.end]);
-            Level { places, triangles: &self.triangles[range] }
+            Level { places: all.places.map(|axis| &axis[range.clone()]), elements: &all.elements[range] }
         })
     }
 
     /// Entries of all paths.
     pub fn entries(&self) -> usize {
-        self.triangles.len()
+        self.elements.len()
     }
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         let row = std::mem::size_of_val::<[u16]>;
-        size_of::<Chunk>()
-            + self.order.len()
-            + row(&self.lamps)
-            + row(&self.levels)
-            + row(&self.places)
-            + 4 * self.triangles.len()
+        size_of::<Chunk>() + self.order.len() + row(&self.lamps) + row(&self.levels) + row(&self.places) + 4 * self.elements.len()
+    }
+}
+
+/// Paths that are being written: a chunk with room in every level.
+///
+/// A path that grows or shrinks by a hit changes places with the last or first of its length, which moves one other path; so a
+/// changed photon costs a few hits, not its chunk.
+#[derive(Debug, Default)]
+pub struct Loose {
+    /// The photon of each rank.
+    order: Vec<u8>,
+    rank_of: Vec<u8>,
+    /// By rank.
+    lamps: Vec<u16>,
+    /// How many paths reach each level.
+    reaching: Vec<usize>,
+    /// By level; not less than there are in `reaching`.
+    rows: Vec<Row>,
+}
+
+/// Room for a level: x, y and z, and elements.
+#[derive(Debug, Clone)]
+struct Row([[u16; PHOTONS]; 3], [u32; PHOTONS]);
+
+impl Loose {
+    /// Begins anew with so many photons that have no paths yet.
+    pub fn clear(&mut self, photons: usize) {
+        self.order = (0..photons).map(|photon| photon as u8).collect();
+        self.rank_of = self.order.clone();
+        self.lamps = vec![NO_LAMP; photons];
+        self.reaching.clear();
+    }
+
+    /// Begins anew with the paths of a chunk.
+    pub fn load(&mut self, chunk: &Chunk) {
+        self.order.clear();
+        self.order.extend_from_slice(&chunk.order);
+        self.rank_of.resize(chunk.order.len(), 0);
+        for (rank, photon) in chunk.order.iter().enumerate() {
+            self.rank_of[usize::from(*photon)] = rank as u8;
+        }
+        self.lamps.clear();
+        self.lamps.extend_from_slice(&chunk.lamps);
+        if let [lamp] = *chunk.lamps {
+            self.lamps.resize(chunk.order.len(), lamp);
+        }
+        self.reaching.clear();
+        for level in chunk.levels() {
+            let Row(places, elements) = self.add_level(level.elements.len());
+            places.iter_mut().zip(level.places).for_each(|(row, places)| row[..places.len()].copy_from_slice(places));
+            elements[..level.elements.len()].copy_from_slice(level.elements);
+        }
+    }
+
+    /// Lays the paths to rest.
+    pub fn store(&self) -> Chunk {
+        let entries = self.reaching.iter().sum();
+        let (mut places, mut elements) = (Vec::with_capacity(3 * entries), Vec::with_capacity(entries));
+        let rows = || self.rows.iter().zip(&self.reaching);
+        for axis in 0..3 {
+            rows().for_each(|(row, reaching)| places.extend_from_slice(&row.0[axis][..*reaching]));
+        }
+        rows().for_each(|(row, reaching)| elements.extend_from_slice(&row.1[..*reaching]));
+        let one_lamp = self.lamps.iter().all(|lamp| *lamp == self.lamps[0]);
+        Chunk {
+            order: self.order.as_slice().into(),
+            lamps: self.lamps[..if one_lamp { self.lamps.len().min(1) } else { self.lamps.len() }].into(),
+            levels: self.reaching.iter().map(|reaching| *reaching as u16).collect(),
+            places: places.into(),
+            elements: elements.into(),
+        }
+    }
+
+    /// Puts the path of a photon into `path`; its lamp.
+    pub fn get(&self, photon: u8, path: &mut Vec<Entry>) -> u16 {
+        let rank = usize::from(self.rank_of[usize::from(photon)]);
+        path.clear();
+        let levels = self.rows.iter().zip(&self.reaching).take_while(|(_, reaching)| rank < **reaching);
+        path.extend(levels.map(|(Row(places, elements), _)| Entry {
+            place: [places[0][rank], places[1][rank], places[2][rank]],
+            element: elements[rank],
+        }));
+        self.lamps[rank]
+    }
+
+    /// Replaces the path of a photon.
+    pub fn set(&mut self, photon: u8, lamp: u16, path: &[Entry]) {
+        let mut rank = usize::from(self.rank_of[usize::from(photon)]);
+        let length = self.reaching.iter().take_while(|reaching| rank < **reaching).count();
+        for level in length..path.len() {
+            if level == self.reaching.len() {
+                self.add_level(0);
+            }
+            let first = self.reaching[level];
+            self.exchange(rank, first, level);
+            rank = first;
+            self.reaching[level] += 1;
+        }
+        for level in (path.len()..length).rev() {
+            let last = self.reaching[level] - 1;
+            self.exchange(rank, last, level + 1);
+            rank = last;
+            self.reaching[level] -= 1;
+        }
+        while self.reaching.last() == Some(&0) {
+            self.reaching.pop();
+        }
+        self.lamps[rank] = lamp;
+        for (Row(places, elements), entry) in self.rows.iter_mut().zip(path) {
+            places.iter_mut().zip(entry.place).for_each(|(row, place)| row[rank] = place);
+            elements[rank] = entry.element;
+        }
+    }
+
+    fn add_level(&mut self, reaching: usize) -> &mut Row {
+        let level = self.reaching.len();
+        self.reaching.push(reaching);
+        if level == self.rows.len() {
+            self.rows.push(Row([[0; PHOTONS]; 3], [0; PHOTONS]));
+        }
+        &mut self.rows[level]
+    }
+
+    /// Two photons of the same length change ranks; of the first one's path nothing is kept, as it will be replaced.
+    fn exchange(&mut self, replaced: usize, other: usize, length: usize) {
+        if replaced == other {
+            return;
+        }
+        self.order.swap(replaced, other);
+        self.lamps.swap(replaced, other);
+        for rank in [replaced, other] {
+            self.rank_of[usize::from(self.order[rank])] = rank as u8;
+        }
+        for Row(places, elements) in &mut self.rows[..length] {
+            places.iter_mut().for_each(|row| row[replaced] = row[other]);
+            elements[replaced] = elements[other];
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hash::mix;
+
+    fn path(seed: u64) -> (u16, Vec<Entry>) {
+        let length = mix(seed) % 7 * (mix(seed) >> 32) % 5;
+        let entry = |hit| Entry { place: [seed as u16, hit as u16, 3], element: (seed * 10 + hit) as u32 };
+        (if seed % 1000 < 256 { 2 } else { seed as u16 }, (0..length).map(entry).collect())
+    }
+
+    fn check(loose: &Loose, expected: &[(u16, Vec<Entry>)]) {
+        for (photon, (lamp, path)) in expected.iter().enumerate() {
+            let mut found = Vec::new();
+            assert_eq!(loose.get(photon as u8, &mut found), *lamp);
+            assert_eq!(found, *path);
+        }
+    }
 
     #[test]
-    fn paths_come_back_as_they_were() {
-        for photons in [0, 1, 5, 256] {
-            let mut paths = Paths::default();
-            for photon in 0..photons {
-                for hit in 0..photon * 7 % 5 {
-                    paths.push(Entry { place: [photon as u16, hit as u16, 3], triangle: (photon * 10 + hit) as u32 });
+    fn paths_come_back_as_they_were_and_changed_ones_as_if_laid_out_anew() {
+        for photons in [0u64, 1, 5, 256] {
+            let mut paths: Vec<_> = (0..photons).map(path).collect();
+            let mut loose = Loose::default();
+            loose.clear(photons as usize);
+            (0..photons).for_each(|photon| loose.set(photon as u8, paths[photon as usize].0, &paths[photon as usize].1));
+            let mut chunk = loose.store();
+            for round in 0..20 {
+                loose.load(&chunk);
+                check(&loose, &paths);
+                let hits = paths.iter().map(|(_, path)| path.len()).sum::<usize>();
+                assert_eq!(chunk.levels().map(|level| level.elements.len()).sum::<usize>(), chunk.entries());
+                assert_eq!(chunk.entries(), hits, "no room is left");
+                assert!(chunk.reaching().is_sorted_by(|a, b| a >= b && *b > 0));
+                let longest = paths.iter().map(|(_, path)| path.len()).max().unwrap_or(0);
+                assert_eq!(chunk.reaching().len(), longest);
+                for change in 0..round.min(photons) {
+                    let photon = (mix(round * 300 + change) % photons) as usize;
+                    // Rows of one lamp become rows of several and back.
+                    paths[photon] = path(1000 * (round % 3) + change);
+                    loose.set(photon as u8, paths[photon].0, &paths[photon].1);
                 }
-                paths.finish(if photons == 5 { photon as u16 } else { 2 });
+                chunk = loose.store();
             }
-            let chunk = Chunk::pack(&paths);
-            let back = chunk.unpack();
-            assert_eq!((back.entries, back.photons), (paths.entries, paths.photons));
-            assert_eq!(chunk.levels().map(|level| level.triangles.len()).sum::<usize>(), chunk.entries());
         }
     }
 }

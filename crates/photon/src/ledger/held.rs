@@ -8,10 +8,11 @@ use super::{
     grid::Grid,
     numbers::Numbers,
     scan::{Marks, Suspicion},
+    surfaces::Surfaces,
 };
 use crate::{
     visible::Frustum,
-    world::{Crowd, Difference, Surfaces, World},
+    world::{Crowd, Difference, World},
 };
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -54,9 +55,9 @@ pub struct Since {
 
 impl Past {
     /// A world, and what has changed from it to the newest one.
-    pub fn new(past: &Arc<World>, newest: &World, numbers: &Numbers, grid: &Grid) -> Past {
+    pub fn new(past: &Arc<World>, surfaces: Arc<Surfaces>, newest: &World, numbers: &Numbers, grid: &Grid) -> Past {
         let since = Arc::new(Since::new(past, newest, numbers, grid));
-        Past { world: past.clone(), surfaces: Arc::new(past.surfaces()), since }
+        Past { world: past.clone(), surfaces, since }
     }
 
     /// This is the newest world now.
@@ -81,15 +82,21 @@ impl Since {
 impl Held {
     /// Marks what may have become wrong since this chunk was last right.
     pub fn scan(&mut self, pasts: &BTreeMap<WorldNumber, Past>, newest: WorldNumber) {
-        if self.right_in == newest {
-            return;
+        if self.right_in != newest {
+            self.mark(self.suspected(pasts), pasts, newest);
         }
-        let mut marks = pasts[&self.right_in].since.suspicion.marks(&self.chunk);
-        for (_, already) in &self.marked {
-            marks = marks.without(already);
-        }
-        if marks.count() > 0 {
-            self.marked.push((self.right_in, marks));
+    }
+
+    /// What may have become wrong since this chunk was last right, and is not marked yet.
+    pub fn suspected(&self, pasts: &BTreeMap<WorldNumber, Past>) -> Marks {
+        let marks = pasts[&self.right_in].since.suspicion.marks(&self.chunk);
+        self.marked.iter().fold(marks, |marks, (_, already)| marks.without(already))
+    }
+
+    /// Marks what is [`suspected`](Self::suspected).
+    pub fn mark(&mut self, suspected: Marks, pasts: &BTreeMap<WorldNumber, Past>, newest: WorldNumber) {
+        if suspected.count() > 0 {
+            self.marked.push((self.right_in, suspected));
         }
         self.is_right_in(newest, pasts);
     }
@@ -125,7 +132,7 @@ impl Held {
         let of_level = |level: Level| {
             let inside =
                 |rank: usize| grid.point(level.places.map(|axis| axis[rank])).is_some_and(|point| frustum.contains(point));
-            (0..level.triangles.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
+            (0..level.elements.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
         };
         self.chunk.levels().map(of_level).sum()
     }

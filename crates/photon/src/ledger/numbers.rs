@@ -1,65 +1,73 @@
-//! Triangles of all objects by one number each, so that a recorded hit needs four bytes.
+//! Mesh elements of all objects by one number each, with the side that was hit: a recorded hit needs four bytes, and what it deposited
+//! needs no geometry.
 //!
-//! An object keeps its numbers for good, also while it is gone. Where another mesh takes its place, the numbers stay if they suffice;
-//! which mesh a number means is told by the world in which the path was recorded.
+//! An object keeps its numbers for good, also while it is gone. They begin at multiples of [`RUN`], so that the object of a number is
+//! looked up and not searched.
 
 use lightmend_scene::Configuration;
 use std::ops::Range;
 
-/// No triangle: the path escaped.
+/// No element: the path escaped.
 pub const ESCAPED: u32 = u32::MAX;
+
+/// Elements that are sure to be of one object. More: a smaller table, more numbers that no element has.
+const RUN: u32 = 256;
+
+/// A side of a mesh element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Element {
+    /// Number of the object.
+    pub object: usize,
+    /// Cell of the object's lattice.
+    pub cell: u32,
+    /// 0: front, 1: back.
+    pub side: u8,
+}
 
 /// Which numbers belong to which object.
 #[derive(Debug, Clone, Default)]
 pub struct Numbers {
-    /// First number and object of every range, in order.
-    ranges: Vec<(u32, u32)>,
-    /// The newest range of each object.
-    of_object: Vec<Range<u32>>,
-    /// One past the last number given away.
-    end: u32,
+    /// First element of each object.
+    first: Vec<u32>,
+    /// The object of each run of elements.
+    object_of: Vec<u32>,
 }
 
 impl Numbers {
-    /// Gives numbers to the triangles that have none. `None` if there are too many.
+    /// Gives numbers to the elements that have none. `None` if there are too many.
     pub fn cover(&mut self, configuration: &Configuration) -> Option<()> {
-        self.of_object.resize(self.of_object.len().max(configuration.object_slots()), 0..0);
-        for (id, object) in configuration.objects() {
-            let triangles = object.mesh.triangles.len();
-            if triangles > self.of_object[id].len() {
-                // Twice as many when a mesh was replaced by a larger one, so that replacing can go on.
-                let wanted = triangles.max(2 * self.of_object[id].len());
-                let end =
-                    u32::try_from(wanted).ok().and_then(|wanted| self.end.checked_add(wanted)).filter(|end| *end < ESCAPED)?;
-                self.ranges.push((self.end, id as u32));
-                self.of_object[id] = self.end..end;
-                self.end = end;
+        for id in self.first.len()..configuration.object_slots() {
+            let runs = self.object_of.len() as u32 + configuration.object(id).lattice.cells().div_ceil(RUN);
+            if runs >= ESCAPED / 2 / RUN {
+                return None;
             }
+            self.first.push(self.object_of.len() as u32 * RUN);
+            self.object_of.resize(runs as usize, id as u32);
         }
         Some(())
     }
 
-    /// The number of a triangle.
-    pub fn of(&self, object: usize, in_mesh: usize) -> u32 {
-        self.of_object[object].start + in_mesh as u32
+    /// The number of a side of an element.
+    pub fn of(&self, Element { object, cell, side }: Element) -> u32 {
+        (self.first[object] + cell) << 1 | u32::from(side)
     }
 
-    /// The object of a triangle and its number in the object's mesh.
-    pub fn triangle(&self, number: u32) -> (usize, usize) {
-        let (first, object) = self.ranges[self.ranges.partition_point(|(first, _)| *first <= number) - 1];
-        (object as usize, (number - first) as usize)
+    /// What has this number.
+    pub fn element(&self, number: u32) -> Element {
+        let element = number >> 1;
+        let object = self.object_of[(element / RUN) as usize] as usize;
+        Element { object, cell: element - self.first[object], side: (number & 1) as u8 }
     }
 
-    /// All numbers that these objects have or had, joined where they follow one another; `objects` in order.
+    /// All numbers of these objects, joined where they follow one another; `objects` in order.
     pub fn of_objects(&self, objects: &[usize]) -> Vec<Range<u32>> {
         let mut found: Vec<Range<u32>> = Vec::new();
-        for (n, (first, object)) in self.ranges.iter().enumerate() {
-            if objects.binary_search(&(*object as usize)).is_ok() {
-                let end = self.ranges.get(n + 1).map_or(self.end, |(next, _)| *next);
-                match found.last_mut() {
-                    Some(last) if last.end == *first => last.end = end,
-                    _ => found.push(*first..end),
-                }
+        for id in objects {
+            let end = self.first.get(id + 1).map_or(self.object_of.len() as u32 * RUN, |next| *next);
+            let numbers = self.first[*id] << 1..end << 1;
+            match found.last_mut() {
+                Some(last) if last.end == numbers.start => last.end = numbers.end,
+                _ => found.push(numbers),
             }
         }
         found

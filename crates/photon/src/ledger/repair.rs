@@ -2,9 +2,9 @@
 
 use super::{
     LedgerSolution,
-    chunk::{Chunk, PHOTONS, Paths},
+    chunk::{Chunk, Entry, Loose, PHOTONS},
     gather,
-    held::Past,
+    held::{Held, Past},
     replay::{Passage, Recorder},
     scan::Marks,
 };
@@ -26,18 +26,30 @@ pub struct Mended {
     pub photons: Vec<PhotonIndex>,
 }
 
-/// Chunks repaired in one step. More: more for threads to share; fewer: a shorter step.
-const STEP: usize = 16;
+/// Marked photons from which on a step takes no more chunks. More: more for threads to share; fewer: a shorter step.
+const STEP: u32 = 1024;
 
-/// What repairing one chunk brings.
+/// Chunks that were not scanned yet in one step, at most.
+const SWEEP: u32 = 64;
+
+/// What repairing some chunks brings.
 struct Repair {
     old: Outcome,
     new: Outcome,
     parted: u64,
     replayed: u64,
     photons: Vec<PhotonIndex>,
-    /// Its new records, if any path changed.
-    chunk: Option<Chunk>,
+    /// New records of chunks in which a path changed.
+    chunks: Vec<(usize, Chunk)>,
+    room: Room,
+}
+
+/// Room that is used again and again.
+#[derive(Default)]
+struct Room {
+    loose: Loose,
+    recorded: Vec<Entry>,
+    path: Vec<Entry>,
 }
 
 impl LedgerSolution {
@@ -46,23 +58,40 @@ impl LedgerSolution {
     /// the whole pool once. `None` if nothing is outstanding.
     pub fn repair_next(&mut self) -> Option<Mended> {
         let next = self.next_chunks();
-        let repairs: Vec<Repair> = next.par_iter().map(|number| self.repair_chunk(*number)).collect();
+        let lamps = self.tallies.len();
+        let nothing = || Repair {
+            old: Outcome::new(lamps, true),
+            new: Outcome::new(lamps, false),
+            parted: 0,
+            replayed: 0,
+            photons: Vec::new(),
+            chunks: Vec::new(),
+            room: Room::default(),
+        };
+        let add = |mut repair: Repair, number: &usize| {
+            self.repair_chunk(*number, &mut repair);
+            repair
+        };
+        let repairs: Vec<Repair> = next.par_iter().fold(nothing, add).collect();
         let mut mended = Mended::default();
-        for (number, repair) in next.iter().zip(repairs) {
+        for repair in repairs {
             for outcome in [&repair.old, &repair.new] {
                 gather(&mut self.buckets, &mut self.tallies, outcome);
             }
             mended.work += Work { photons: repair.parted, rays: repair.new.rays };
             mended.replayed += repair.replayed;
             mended.photons.extend(repair.photons);
-            let held = &mut self.chunks[*number];
-            self.outstanding -= u64::from(held.marks());
-            held.marked.clear();
-            if let Some(chunk) = repair.chunk {
+            for (number, chunk) in repair.chunks {
+                let held = &mut self.chunks[number];
                 self.bytes -= held.bytes();
                 held.chunk = chunk;
                 self.bytes += held.bytes();
             }
+        }
+        for number in &next {
+            let held = &mut self.chunks[*number];
+            self.outstanding -= u64::from(held.marks());
+            held.marked.clear();
         }
         (!next.is_empty()).then_some(mended)
     }
@@ -71,14 +100,14 @@ impl LedgerSolution {
     fn next_chunks(&mut self) -> Vec<usize> {
         while self.outstanding > 0 {
             let next = self.next_outstanding();
-            for number in &next {
-                // Otherwise its photons would be right in different worlds.
+            // Otherwise photons of a chunk would be right in different worlds.
+            let old: Vec<usize> = next.iter().copied().filter(|number| self.chunks[*number].right_in != self.newest).collect();
+            let found: Vec<Marks> = old.par_iter().map(|number| self.chunks[*number].suspected(&self.pasts)).collect();
+            for (number, marks) in old.iter().zip(found) {
                 let held = &mut self.chunks[*number];
-                if held.right_in != self.newest {
-                    held.scan(&self.pasts, self.newest);
-                    self.unscanned -= 1;
-                    self.outstanding -= held.photons() - u64::from(held.marks());
-                }
+                held.mark(marks, &self.pasts, self.newest);
+                self.unscanned -= 1;
+                self.outstanding -= held.photons() - u64::from(held.marks());
             }
             let marked: Vec<usize> = next.into_iter().filter(|number| !self.chunks[*number].marked.is_empty()).collect();
             if !marked.is_empty() {
@@ -88,79 +117,78 @@ impl LedgerSolution {
         Vec::new()
     }
 
+    /// Chunks that are marked or were not scanned, enough for a step.
     fn next_outstanding(&mut self) -> Vec<usize> {
-        let mut next = Vec::new();
-        let is_outstanding = |number: u32| {
-            let held = &self.chunks[number as usize];
-            !held.marked.is_empty() || held.right_in != self.newest
+        let (mut next, mut size) = (Vec::new(), 0);
+        let newest = self.newest;
+        let size_of = |held: &Held| match (held.right_in == newest, held.marked.is_empty()) {
+            (true, true) => None,
+            (true, false) => Some(held.marks()),
+            (false, _) => Some(STEP / SWEEP),
         };
-        while next.len() < STEP
+        while size < STEP
             && let Some(number) = self.visible.pop()
         {
-            next.extend(is_outstanding(number).then_some(number as usize));
+            if let Some(more) = size_of(&self.chunks[number as usize]) {
+                next.push(number as usize);
+                size += more;
+            }
         }
         if next.is_empty() {
             let chunks = self.shuffled.len();
-            let turns = (self.turn..self.turn + chunks).map(|turn| turn % chunks);
-            for turn in turns.filter(|turn| is_outstanding(self.shuffled[*turn])).take(STEP) {
-                next.push(self.shuffled[turn] as usize);
-                self.turn = turn + 1;
+            for turn in (self.turn..self.turn + chunks).map(|turn| turn % chunks) {
+                let number = self.shuffled[turn] as usize;
+                if let Some(more) = size_of(&self.chunks[number]) {
+                    next.push(number);
+                    size += more;
+                    self.turn = turn + 1;
+                    if size >= STEP {
+                        break;
+                    }
+                }
             }
         }
         next
     }
 
-    fn repair_chunk(&self, number: usize) -> Repair {
+    fn repair_chunk(&self, number: usize, repair: &mut Repair) {
         let held = &self.chunks[number];
-        let lamps = self.tallies.len();
-        let mut repair = Repair {
-            old: Outcome::new(lamps, true),
-            new: Outcome::new(lamps, false),
-            parted: 0,
-            replayed: 0,
-            photons: Vec::new(),
-            chunk: None,
-        };
-        let passages: Vec<(Passage, &Marks)> = held
-            .marked
-            .iter()
-            .map(|(past, marks)| {
-                let Past { world, surfaces, since } = &self.pasts[past];
-                let passage = Passage {
-                    rules: &self.rules,
-                    before: world,
-                    surfaces,
-                    after: &self.world,
-                    changed: &since.changed,
-                    moved_out: &since.moved_out,
-                    moved_in: &since.moved_in,
-                    recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
-                };
-                (passage, marks)
-            })
-            .collect();
-        let mut passage_of = [None; PHOTONS];
-        for (rank, photon) in held.chunk.order().iter().enumerate() {
-            passage_of[usize::from(*photon)] = passages.iter().find(|(_, marks)| marks.has(rank)).map(|(passage, _)| passage);
+        let mut passages = Vec::new();
+        let mut passage_of = [u8::MAX; PHOTONS];
+        for (past, marks) in &held.marked {
+            for rank in marks.ranks() {
+                passage_of[usize::from(held.chunk.order()[rank])] = passages.len() as u8;
+            }
+            let Past { world, surfaces, since } = &self.pasts[past];
+            passages.push(Passage {
+                rules: &self.rules,
+                before: world,
+                surfaces,
+                after: &self.world,
+                changed: &since.changed,
+                moved_out: &since.moved_out,
+                moved_in: &since.moved_in,
+                recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
+            });
         }
-        let (recorded, mut paths) = (held.chunk.unpack(), Paths::default());
+        let Repair { old, new, parted, replayed, photons, chunks, room: Room { loose, recorded, path } } = repair;
+        let parted_before = *parted;
+        loose.load(&held.chunk);
         for (photon, index) in self.members(number).enumerate() {
-            let (lamp, path) = recorded.get(photon);
-            match passage_of[photon] {
-                Some(passage) => {
-                    let (parts, replayed) = passage.repair(index, path, &mut repair.old, &mut repair.new, &mut paths);
-                    repair.parted += u64::from(parts);
-                    repair.replayed += replayed;
-                    repair.photons.push(index);
+            if let Some(passage) = passages.get(usize::from(passage_of[photon])) {
+                let lamp = loose.get(photon as u8, recorded);
+                let mending = passage.repair(index, lamp, recorded, old, new, path);
+                if mending.parts {
+                    loose.set(photon as u8, mending.lamp, path);
+                    *parted += 1;
                 }
-                None => {
-                    path.iter().for_each(|entry| paths.push(*entry));
-                    paths.finish(lamp);
-                }
+                *replayed += mending.replayed;
+                photons.push(index);
             }
         }
-        repair.chunk = (repair.parted > 0).then(|| Chunk::pack(&paths));
-        repair
+        if *parted > parted_before {
+            chunks.push((number, loose.store()));
+        }
     }
 
     /// The photons of a chunk.

@@ -1,62 +1,101 @@
-//! A suspected photon: its old path from the record, its new one as far as possible from the record too.
+//! A suspected photon: its old light from the record, its new path as far as possible from the record too.
 //!
 //! Where a ray is known to the bit, meeting the recorded triangle alone gives the hit to the bit, without the trees. What else the
 //! ray could meet now are only objects that moved; so the hit after an edit is the nearest of the recorded triangle and those. The
-//! trees are traversed from the first segment on whose surface went away. The old path is replayed to its end in the world in which
-//! it was recorded, and its deposits are taken back as they were made.
+//! trees are traversed from the first segment on whose surface went away. What the old path brought from there on follows from its
+//! elements and their materials in the world in which it was recorded; only as far as a textured surface reflected it must it be
+//! replayed, as the reflectance is another at every point.
 
 use super::{
-    chunk::{Entry, NO_LAMP, Paths},
+    chunk::{Entry, NO_LAMP},
     grid::Grid,
-    numbers::{ESCAPED, Numbers},
+    numbers::{ESCAPED, Element, Numbers},
+    surfaces::Surfaces,
 };
 use crate::{
-    path::{Photon, Record, Rules, Watch, reflectance},
+    bucket::Address,
+    path::{Brought, End, LONGEST_PATH, Outcome, Photon, Record, Rules, Watch, cell, reflectance},
     pool::PhotonIndex,
     triangle::{Hit, Ray, Triangle},
-    world::{Crowd, Difference, Surfaces, World},
+    world::{Crowd, Difference, World},
 };
+use glam::Vec3;
 
 /// How paths are written down.
+#[derive(Clone, Copy)]
 pub struct Recorder<'a> {
-    /// Numbers of triangles.
+    /// Numbers of elements.
     pub numbers: &'a Numbers,
     /// Where points are stored.
     pub grid: &'a Grid,
 }
 
-impl Recorder<'_> {
-    fn entry(&self, ray: &Ray, met: &Option<Hit>) -> Entry {
-        match met {
-            Some(hit) => Entry {
-                place: self.grid.place(hit.triangle.point(hit.weights)),
-                triangle: self.numbers.of(hit.triangle.object(), hit.triangle.in_mesh()),
-            },
-            None => Entry { place: self.grid.exit(ray.origin, ray.direction), triangle: ESCAPED },
+/// Writes a path down and gathers its light.
+struct Writing<'a> {
+    recorder: Recorder<'a>,
+    outcome: &'a mut Outcome,
+    path: &'a mut Vec<Entry>,
+}
+
+impl Record for Writing<'_> {
+    #[inline]
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+        let (object, cell) = (hit.triangle.object(), cell(world, hit));
+        let place = self.recorder.grid.place(hit.triangle.point(hit.weights));
+        self.path.push(Entry { place, element: self.recorder.numbers.of(Element { object, cell, side }) });
+        if deposits {
+            self.outcome.deposit(Address { object: object as u32, cell, side, lamp }, throughput);
         }
     }
 
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
+        self.outcome.end(end, throughput, lamp);
+    }
+
+    fn ray(&mut self) {
+        self.outcome.ray();
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// One step, written down.
+    fn step<'w>(
+        self,
+        photon: Photon,
+        rules: &Rules,
+        world: &World,
+        met: Option<Hit<'w>>,
+        outcome: &mut Outcome,
+        path: &mut Vec<Entry>,
+    ) -> Option<Photon<'w>> {
+        if met.is_none() {
+            let Ray { origin, direction, .. } = *photon.ray();
+            path.push(Entry { place: self.grid.exit(origin, direction), element: ESCAPED });
+        }
+        photon.step(rules, world, met, &mut Writing { recorder: self, outcome, path })
+    }
+
     /// Traces a photon to its end and writes its path down.
-    fn follow<'w>(&self, mut photon: Photon<'w>, rules: &Rules, world: &'w World, record: &mut impl Record, paths: &mut Paths) {
+    fn follow<'w>(self, mut photon: Photon<'w>, rules: &Rules, world: &'w World, outcome: &mut Outcome, path: &mut Vec<Entry>) {
         loop {
-            record.ray();
+            outcome.ray();
             let met = world.nearest(photon.ray());
-            paths.push(self.entry(photon.ray(), &met));
-            match photon.step(rules, world, met, record) {
+            match self.step(photon, rules, world, met, outcome, path) {
                 Some(next) => photon = next,
                 None => return,
             }
         }
     }
 
-    /// Traces photon `index` and writes its path down.
-    pub fn trace(&self, rules: &Rules, world: &World, index: PhotonIndex, record: &mut impl Record, paths: &mut Paths) {
+    /// Traces photon `index` and writes its path down; its lamp.
+    pub fn trace(self, rules: &Rules, world: &World, index: PhotonIndex, outcome: &mut Outcome, path: &mut Vec<Entry>) -> u16 {
+        path.clear();
         let photon = Photon::emit(rules, world, index);
         let lamp = photon.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
         if let Some(photon) = photon {
-            self.follow(photon, rules, world, record, paths);
+            self.follow(photon, rules, world, outcome, path);
         }
-        paths.finish(lamp);
+        lamp
     }
 }
 
@@ -80,49 +119,53 @@ pub struct Passage<'a> {
     pub recorder: Recorder<'a>,
 }
 
-impl Passage<'_> {
-    /// Repairs one photon: what its old path leaves goes to `old`, what its new one leaves to `new`, its path to `paths`; both records
-    /// hear only of where the paths part. Whether they part, and how many recorded hits were replayed.
+/// What a photon's repair comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mending {
+    /// Whether its paths part; if not its record stays.
+    pub parts: bool,
+    /// The number of its lamp now.
+    pub lamp: u16,
+    /// Recorded hits that were replayed.
+    pub replayed: u64,
+}
+
+impl<'a> Passage<'a> {
+    /// Repairs one photon: what its old path leaves goes to `old`, what its new one leaves to `new`, the path itself to `path`; both
+    /// outcomes hear only of where the paths part.
     pub fn repair(
         &self,
         index: PhotonIndex,
-        path: &[Entry],
-        old: &mut impl Record,
-        new: &mut impl Record,
-        paths: &mut Paths,
-    ) -> (bool, u64) {
-        let triangle = |entry: &Entry| {
-            let (object, in_mesh) = self.recorder.numbers.triangle(entry.triangle);
-            self.surfaces.triangle(object, in_mesh).expect("a recorded triangle is in the world of its record")
-        };
-        let recorded = if path.last().is_some_and(|last| last.triangle == ESCAPED) { &path[..path.len() - 1] } else { path };
-        let triangles: Vec<Triangle> = recorded.iter().map(triangle).collect();
+        was_lamp: u16,
+        recorded: &[Entry],
+        old: &mut Outcome,
+        new: &mut Outcome,
+        path: &mut Vec<Entry>,
+    ) -> Mending {
+        path.clear();
         let leaving = Photon::emit(self.rules, self.after, index);
         let lamp = leaving.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
-        let lamp_changed = self.changed.choice || leaving.is_some_and(|photon| self.changed.lamps.contains(&photon.lamp()));
-        let left = if lamp_changed { Photon::emit(self.rules, self.before, index) } else { leaving };
-        let alike = match (&left, &leaving) {
-            (Some(left), Some(leaving)) => left.leaves_like(leaving) && !self.changed.lamps.contains(&leaving.lamp()),
-            (left, leaving) => left.is_none() && leaving.is_none(),
-        };
+        let alike = lamp == was_lamp
+            && !self.changed.lamps.contains(&usize::from(lamp))
+            && (!self.changed.choice || self.leaves_alike(index, &leaving));
         if !alike {
-            if let Some(photon) = left {
-                self.replay(photon, &triangles, old);
+            let mut replayed = 0;
+            if was_lamp != NO_LAMP {
+                let brought = Brought::from_lamp(self.rules, self.before, was_lamp);
+                let left = || Photon::emit(self.rules, self.before, index).expect("its lamp is recorded");
+                replayed = self.take_back(brought, left, recorded, 0, old);
             }
             if let Some(photon) = leaving {
-                self.recorder.follow(photon, self.rules, self.after, new, paths);
+                self.recorder.follow(photon, self.rules, self.after, new, path);
             }
-            paths.finish(lamp);
-            return (true, triangles.len() as u64);
+            return Mending { parts: true, lamp, replayed };
         }
         let mut photon = leaving;
-        let mut common = Watch::default();
-        let mut parts = false;
-        for (k, entry) in path.iter().enumerate() {
+        for (k, entry) in recorded.iter().enumerate() {
             let Some(here) = photon else { break };
-            let recorded = triangles.get(k);
-            let was = recorded.map(|triangle| met(here.ray(), triangle));
-            let stays = recorded.is_none_or(|triangle| self.moved_out.binary_search(&triangle.object()).is_err());
+            let recorded_triangle = self.triangle(entry);
+            let was = recorded_triangle.map(|triangle| met(here.ray(), triangle));
+            let stays = recorded_triangle.is_none_or(|triangle| self.moved_out.binary_search(&triangle.object()).is_err());
             let now = if stays {
                 self.moved_in.nearest(here.ray(), was)
             } else {
@@ -135,22 +178,44 @@ impl Passage<'_> {
                 _ => false,
             };
             if same {
-                paths.push(*entry);
-                photon = here.step(self.rules, self.after, was, &mut common);
+                photon = here.step(self.rules, self.after, was, &mut Watch::default());
                 continue;
             }
-            parts = true;
-            if let Some(next) = here.step(self.rules, self.before, was, old) {
-                self.replay(next, &triangles[k + 1..], old);
+            let hits = k as u64 + u64::from(was.is_some());
+            let replayed = self.take_back(here.brings(), || here, recorded, k, old);
+            path.extend_from_slice(&recorded[..k]);
+            if let Some(next) = self.recorder.step(here, self.rules, self.after, now, new, path) {
+                self.recorder.follow(next, self.rules, self.after, new, path);
             }
-            paths.push(self.recorder.entry(here.ray(), &now));
-            if let Some(next) = here.step(self.rules, self.after, now, new) {
-                self.recorder.follow(next, self.rules, self.after, new, paths);
-            }
-            break;
+            return Mending { parts: true, lamp, replayed: hits + replayed };
         }
-        paths.finish(lamp);
-        (parts, triangles.len() as u64)
+        let hits = recorded.iter().filter(|entry| entry.element != ESCAPED).count() as u64;
+        Mending { parts: false, lamp, replayed: hits }
+    }
+
+    /// Whether a photon left the same lamp on the same ray.
+    fn leaves_alike(&self, index: PhotonIndex, leaving: &Option<Photon>) -> bool {
+        match (Photon::emit(self.rules, self.before, index), leaving) {
+            (Some(left), Some(leaving)) => left.leaves_like(leaving),
+            (left, leaving) => left.is_none() && leaving.is_none(),
+        }
+    }
+
+    /// The triangle of an entry where it was recorded; `None` if the path escaped.
+    fn triangle(&self, entry: &Entry) -> Option<&'a Triangle> {
+        (entry.element != ESCAPED).then(|| {
+            let Element { object, cell, .. } = self.recorder.numbers.element(entry.element);
+            self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record")
+        })
+    }
+
+    /// The reflectance of an element where it was recorded; `None` if it has a texture.
+    fn reflectance(&self, Element { object, cell, .. }: Element) -> Option<Vec3> {
+        self.surfaces.plain(object).or_else(|| {
+            let triangle = self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record");
+            let material = self.before.object(object).material(triangle.in_mesh());
+            material.texture.is_none().then_some(material.reflectance)
+        })
     }
 
     /// Whether a surface that did not move is of the same reflectance at a hit.
@@ -160,18 +225,63 @@ impl Passage<'_> {
         !repainted || bits(self.before) == bits(self.after)
     }
 
-    /// Follows the old path to its end by what is recorded of it.
-    fn replay<'t>(&self, mut photon: Photon<'t>, triangles: &'t [Triangle], old: &mut impl Record) {
-        for triangle in triangles.iter().map(Some).chain([None]) {
-            let was = triangle.map(|triangle| met(photon.ray(), triangle));
-            match photon.step(self.rules, self.before, was, old) {
-                Some(next) => photon = next,
-                None => return,
-            }
+    /// Takes back what an old path left from hit `from` on; `brought` is what comes there and `photon` who brings it. How many hits
+    /// were replayed.
+    fn take_back(
+        &self,
+        mut brought: Brought,
+        photon: impl Fn() -> Photon<'a>,
+        recorded: &[Entry],
+        from: usize,
+        old: &mut Outcome,
+    ) -> u64 {
+        if recorded.len() >= LONGEST_PATH as usize {
+            // Whether the last hit took it or only its length is not recorded.
+            self.replay(photon(), &recorded[from..], old);
+            return (recorded.len() - from) as u64;
         }
+        // Where the photon itself is known, and it there.
+        let (mut at, mut known): (usize, Option<Photon>) = (from, None);
+        for (n, entry) in recorded.iter().enumerate().skip(from) {
+            if entry.element == ESCAPED {
+                old.end(End::Escaped, brought.throughput, brought.lamp);
+                break;
+            }
+            let element = self.recorder.numbers.element(entry.element);
+            if brought.counts {
+                let Element { object, cell, side } = element;
+                old.deposit(Address { object: object as u32, cell, side, lamp: brought.lamp }, brought.throughput);
+            }
+            if n + 1 == recorded.len() {
+                old.end(End::Absorbed, brought.throughput, brought.lamp);
+                break;
+            }
+            brought = match self.reflectance(element) {
+                Some(reflectance) => brought.reflected(reflectance),
+                None => {
+                    let here = known.unwrap_or_else(&photon);
+                    let next = self.replay(here, &recorded[at..=n], &mut Watch::default()).expect("its record goes on");
+                    (at, known) = (n + 1, Some(next));
+                    next.brings()
+                }
+            };
+        }
+        (at - from) as u64
+    }
+
+    /// Follows an old path by what is recorded of it; `None` if it ends there.
+    fn replay(&self, mut photon: Photon<'a>, recorded: &[Entry], record: &mut impl Record) -> Option<Photon<'a>> {
+        for entry in recorded {
+            let was = self.triangle(entry).map(|triangle| met(photon.ray(), triangle));
+            photon = photon.step(self.rules, self.before, was, record)?;
+        }
+        Some(photon)
     }
 }
 
 fn met<'t>(ray: &Ray, triangle: &'t Triangle) -> Hit<'t> {
     ray.meet(triangle, &None).expect("a recorded ray meets its triangle again")
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,11 +6,14 @@
 //! A segment meets a box unless one of thirteen axes parts them (Gottschalk, Lin, Manocha 1996): for a segment six are left.
 
 use super::{
-    chunk::{Chunk, PHOTONS},
+    chunk::{Chunk, Level, PHOTONS},
     grid::{Cuboid, Grid, OUTSIDE},
     numbers::{ESCAPED, Numbers},
 };
-use crate::world::{Crowd, Difference, World};
+use crate::{
+    lanes::{LANES, Lanes, Task, widest},
+    world::{Crowd, Difference, World},
+};
 use std::ops::Range;
 
 /// Some of a chunk's photons, by rank.
@@ -18,20 +21,34 @@ use std::ops::Range;
 pub struct Marks([u64; PHOTONS / 64]);
 
 impl Marks {
-    fn of(flags: &[u32; PHOTONS], photons: usize) -> Marks {
-        let mut marks = Marks::default();
-        // Most words stay zero: that is seen at once.
-        for (word, flags) in marks.0.iter_mut().zip(flags[..photons].chunks(64)) {
-            if flags.iter().fold(0, |any, flag| any | flag) != 0 {
-                *word = flags.iter().rev().fold(0, |word, flag| word << 1 | u64::from(*flag != 0));
-            }
-        }
-        marks
+    /// The first so many.
+    fn first(photons: usize) -> Marks {
+        Marks(std::array::from_fn(|n| match photons.saturating_sub(64 * n) {
+            0 => 0,
+            left => u64::MAX >> 64usize.saturating_sub(left),
+        }))
+    }
+
+    /// Adds eight from `rank` on, a multiple of eight.
+    fn add(&mut self, rank: usize, eight: u32) {
+        self.0[rank / 64] |= u64::from(eight) << (rank % 64);
     }
 
     /// Whether a photon is among them.
     pub fn has(&self, rank: usize) -> bool {
         self.0[rank / 64] >> (rank % 64) & 1 == 1
+    }
+
+    /// Those that are.
+    pub fn ranks(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().enumerate().flat_map(|(n, word)| {
+            let mut left = *word;
+            std::iter::from_fn(move || {
+                let rank = (left != 0).then(|| 64 * n + left.trailing_zeros() as usize);
+                left &= left.wrapping_sub(1);
+                rank
+            })
+        })
     }
 
     /// How many.
@@ -50,7 +67,7 @@ pub struct Suspicion {
     /// Every photon is suspected.
     all: bool,
     lamps: Vec<u16>,
-    triangles: Vec<Range<u32>>,
+    elements: Vec<Range<u32>>,
     boxes: Vec<Cuboid>,
     /// About all of them.
     around: Option<Cuboid>,
@@ -70,7 +87,7 @@ impl Suspicion {
         Suspicion {
             all: changed.choice,
             lamps: changed.lamps.iter().map(|lamp| *lamp as u16).collect(),
-            triangles: numbers.of_objects(&changed.objects),
+            elements: numbers.of_objects(&changed.objects),
             beyond: boxes.iter().any(|(_, inside)| !inside),
             around: around.and_then(|bounds| grid.cuboid(bounds, slack).0),
             boxes: boxes.into_iter().filter_map(|(cuboid, _)| cuboid).collect(),
@@ -80,122 +97,181 @@ impl Suspicion {
 
     /// The photons of a chunk that may have become wrong.
     pub fn marks(&self, chunk: &Chunk) -> Marks {
-        let photons = chunk.order().len();
-        let mut flags = [u32::from(self.all); PHOTONS];
-        if self.all {
-            return Marks::of(&flags, photons);
-        }
-        let mut rows = [Row::default(), Row::default()];
-        let (concerns, origin) = (
-            |lamp: u16| u32::from(self.lamps.contains(&lamp)),
-            |lamp: u16| self.origins.get(usize::from(lamp)).copied().unwrap_or([OUTSIDE; 3]),
-        );
-        if let [lamp] = chunk.lamps() {
-            flags[..photons].fill(concerns(*lamp));
-            rows[0] = Row(origin(*lamp).map(|steps| [steps; PHOTONS]));
-        } else {
-            for (rank, lamp) in chunk.lamps().iter().enumerate() {
-                flags[rank] = concerns(*lamp);
-                origin(*lamp).iter().zip(&mut rows[0].0).for_each(|(steps, row)| row[rank] = *steps);
-            }
-        }
-        let walks = self.beyond || !self.boxes.is_empty();
-        for level in chunk.levels() {
-            for range in &self.triangles {
-                for (flag, triangle) in flags.iter_mut().zip(level.triangles) {
-                    *flag |= u32::from(triangle.wrapping_sub(range.start) < range.end - range.start);
-                }
-            }
-            if walks {
-                let reaching = level.triangles.len();
-                let [from, to] = &mut rows;
-                for axis in 0..3 {
-                    for (steps, stored) in to.0[axis].iter_mut().zip(level.places[axis]) {
-                        *steps = f32::from(*stored);
-                    }
-                }
-                unknown(from, to, &mut flags, reaching);
-                // Things that ride on one another stand together: most segments pass all of them by at once.
-                let near = self.boxes.len() < 3
-                    || self.around.is_some_and(|around| {
-                        let mut near = [0; PHOTONS];
-                        crossed(from, to, &around, &mut near, reaching);
-                        near.iter().any(|flag| *flag != 0)
-                    });
-                if near {
-                    self.boxes.iter().for_each(|cuboid| crossed(from, to, cuboid, &mut flags, reaching));
-                }
-                if self.beyond {
-                    for (flag, triangle) in flags.iter_mut().zip(level.triangles) {
-                        *flag |= u32::from(*triangle == ESCAPED);
-                    }
-                }
-                rows.swap(0, 1);
-            }
-        }
-        Marks::of(&flags, photons)
+        if self.all { Marks::first(chunk.order().len()) } else { widest(Looking { suspicion: self, chunk }) }
+    }
+
+    /// Whether the photons of this lamp are suspected, and where it stood.
+    fn of_lamp(&self, lamp: u16) -> (bool, [f32; 3]) {
+        (self.lamps.contains(&lamp), self.origins.get(usize::from(lamp)).copied().unwrap_or([OUTSIDE; 3]))
     }
 }
 
-/// Points of one level, in steps of the grid: x, y and z.
-struct Row([[f32; PHOTONS]; 3]);
+/// A look through the records of one chunk.
+struct Looking<'a> {
+    suspicion: &'a Suspicion,
+    chunk: &'a Chunk,
+}
 
-impl Default for Row {
-    fn default() -> Row {
-        Row([[0.0; PHOTONS]; 3])
+impl Task for Looking<'_> {
+    type Output = Marks;
+
+    /// Eight photons at a time, from their lamps to their last points.
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Marks {
+        let Looking { suspicion, chunk } = self;
+        let Level { places: [xs, ys, zs], elements } = chunk.all();
+        let walks = suspicion.beyond || !suspicion.boxes.is_empty();
+        let mut marks = Marks::default();
+        for block in (0..chunk.order().len()).step_by(LANES) {
+            let (mut found, mut from) = self.leaving(l, block);
+            let mut start = block;
+            for reaching in chunk.reaching() {
+                let reaching = usize::from(*reaching);
+                if reaching <= block {
+                    break;
+                }
+                let mut suspected = l.less(l.splat(0.0), l.splat(0.0));
+                let hits = eight(elements, start);
+                for range in &suspicion.elements {
+                    suspected = l.or(suspected, l.among(&hits, range.start, range.end - range.start));
+                }
+                if suspicion.beyond {
+                    suspected = l.or(suspected, l.among(&hits, ESCAPED, 1));
+                }
+                if walks {
+                    let to = [l.widen(&eight(xs, start)), l.widen(&eight(ys, start)), l.widen(&eight(zs, start))];
+                    suspected = l.or(suspected, Segments::new(l, from, to).touch(suspicion));
+                    from = to;
+                }
+                // What follows the last photon of a level is of the next one.
+                found |= l.bits(suspected) & (u32::MAX >> 32usize.saturating_sub(reaching - block));
+                start += reaching;
+            }
+            marks.add(block, found);
+        }
+        marks
     }
 }
 
-/// Raises the flags of segments with an end outside.
-fn unknown(from: &Row, to: &Row, flags: &mut [u32; PHOTONS], reaching: usize) {
-    for rank in 0..reaching {
-        flags[rank] |= u32::from(from.0[0][rank].max(to.0[0][rank]) >= OUTSIDE);
+impl Looking<'_> {
+    /// Which of eight photons leave a suspected lamp, and where they leave it.
+    #[inline(always)]
+    fn leaving<L: Lanes>(&self, l: L, block: usize) -> (u32, [L::Numbers; 3]) {
+        if let [lamp] = self.chunk.lamps() {
+            let (suspected, [x, y, z]) = self.suspicion.of_lamp(*lamp);
+            let photons = self.chunk.order().len() - block;
+            let all = u32::MAX >> 32usize.saturating_sub(photons.min(LANES));
+            return (if suspected { all } else { 0 }, [l.splat(x), l.splat(y), l.splat(z)]);
+        }
+        let (mut found, mut from) = (0, [[OUTSIDE; LANES]; 3]);
+        for (k, lamp) in self.chunk.lamps().iter().skip(block).take(LANES).enumerate() {
+            let (suspected, place) = self.suspicion.of_lamp(*lamp);
+            found |= u32::from(suspected) << k;
+            (0..3).for_each(|axis| from[axis][k] = place[axis]);
+        }
+        (found, [l.load(&from[0]), l.load(&from[1]), l.load(&from[2])])
     }
 }
 
-/// Raises the flags of segments that meet a box. No branches, so that the compiler makes vector instructions of it.
-fn crossed(from: &Row, to: &Row, cuboid: &Cuboid, flags: &mut [u32; PHOTONS], reaching: usize) {
-    let [sx, sy, sz] = cuboid.size;
-    let [cx, cy, cz] = cuboid.sum;
-    let reaching = reaching.min(PHOTONS);
-    let ([ax, ay, az], [bx, by, bz]) = (&from.0, &to.0);
-    for rank in 0..reaching {
-        let (ax, ay, az, bx, by, bz) = (ax[rank], ay[rank], az[rank], bx[rank], by[rank], bz[rank]);
-        let (dx, dy, dz) = (bx - ax, by - ay, bz - az);
+/// Eight from `start` on; what is not there is zero.
+#[inline(always)]
+fn eight<T: Copy + Default>(row: &[T], start: usize) -> [T; LANES] {
+    match row.get(start..start + LANES) {
+        Some(eight) => eight.try_into().unwrap_or_default(),
+        None => {
+            let mut eight = [T::default(); LANES];
+            row[start..].iter().zip(&mut eight).for_each(|(from, to)| *to = *from);
+            eight
+        }
+    }
+}
+
+/// Eight segments: the way from one end to the other, the sum of both, the way's absolute value, and where an end is outside.
+struct Segments<L: Lanes> {
+    lanes: L,
+    way: [L::Numbers; 3],
+    sum: [L::Numbers; 3],
+    long: [L::Numbers; 3],
+    outside: L::Mask,
+}
+
+impl<L: Lanes> Segments<L> {
+    #[inline(always)]
+    fn new(l: L, from: [L::Numbers; 3], to: [L::Numbers; 3]) -> Segments<L> {
+        let ([ax, ay, az], [bx, by, bz]) = (from, to);
+        let way = [l.sub(bx, ax), l.sub(by, ay), l.sub(bz, az)];
+        Segments {
+            lanes: l,
+            way,
+            sum: [l.add(ax, bx), l.add(ay, by), l.add(az, bz)],
+            long: [l.abs(way[0]), l.abs(way[1]), l.abs(way[2])],
+            outside: l.at_most(l.splat(OUTSIDE), l.max(ax, bx)),
+        }
+    }
+
+    /// Which of them touch what moved.
+    #[inline(always)]
+    fn touch(&self, suspicion: &Suspicion) -> L::Mask {
+        let l = self.lanes;
+        let mut touched = self.outside;
+        // Things that ride on one another stand together: most segments pass all of them by at once.
+        let near = suspicion.boxes.len() < 3 || suspicion.around.is_some_and(|around| l.bits(self.cross(&around)) != 0);
+        if near {
+            for cuboid in &suspicion.boxes {
+                touched = l.or(touched, self.cross(cuboid));
+            }
+        }
+        touched
+    }
+
+    /// Which of them meet a box.
+    #[inline(always)]
+    fn cross(&self, cuboid: &Cuboid) -> L::Mask {
+        let l = self.lanes;
+        let [sx, sy, sz] = [l.splat(cuboid.size[0]), l.splat(cuboid.size[1]), l.splat(cuboid.size[2])];
+        let ([dx, dy, dz], [lx, ly, lz]) = (self.way, self.long);
         // Twice the way from the box's middle to the segment's.
-        let (mx, my, mz) = (ax + bx - cx, ay + by - cy, az + bz - cz);
-        let (lx, ly, lz) = (dx.abs(), dy.abs(), dz.abs());
-        let meets = (mx.abs() <= lx + sx)
-            & (my.abs() <= ly + sy)
-            & (mz.abs() <= lz + sz)
-            & ((my * dz - mz * dy).abs() <= sy * lz + sz * ly)
-            & ((mz * dx - mx * dz).abs() <= sz * lx + sx * lz)
-            & ((mx * dy - my * dx).abs() <= sx * ly + sy * lx);
-        flags[rank] |= u32::from(meets);
+        let mx = l.sub(self.sum[0], l.splat(cuboid.sum[0]));
+        let my = l.sub(self.sum[1], l.splat(cuboid.sum[1]));
+        let mz = l.sub(self.sum[2], l.splat(cuboid.sum[2]));
+        let beside = l.and(l.at_most(l.abs(mx), l.add(lx, sx)), l.at_most(l.abs(my), l.add(ly, sy)));
+        let beside = l.and(beside, l.at_most(l.abs(mz), l.add(lz, sz)));
+        // Most boxes are passed at a distance.
+        if l.bits(beside) == 0 {
+            return beside;
+        }
+        let x = l.at_most(l.abs(l.sub(l.mul(my, dz), l.mul(mz, dy))), l.add(l.mul(sy, lz), l.mul(sz, ly)));
+        let y = l.at_most(l.abs(l.sub(l.mul(mz, dx), l.mul(mx, dz))), l.add(l.mul(sz, lx), l.mul(sx, lz)));
+        let z = l.at_most(l.abs(l.sub(l.mul(mx, dy), l.mul(my, dx))), l.add(l.mul(sx, ly), l.mul(sy, lx)));
+        l.and(beside, l.and(x, l.and(y, z)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hash::mix;
+    use crate::{
+        hash::mix,
+        lanes::Portable,
+        ledger::chunk::{Entry, Loose},
+    };
     use glam::Vec3;
 
-    /// Points of a row of segments in a box of 6 × 4 × 3 metres, stored and as they are.
-    fn segments(grid: &Grid, seed: u64) -> ([Row; 2], Vec<[Vec3; 2]>) {
+    /// Segments in a box of 6 × 4 × 3 metres, stored and as they are.
+    fn segments(grid: &Grid, seed: u64) -> ([[[f32; LANES]; 3]; 2], Vec<[Vec3; 2]>) {
         let number = |n: u64| (mix(seed << 32 | n) >> 40) as f32 / (1u64 << 24) as f32;
-        let mut rows = [Row::default(), Row::default()];
-        let ends = (0..PHOTONS).map(|rank| {
+        let mut stored = [[[0.0; LANES]; 3]; 2];
+        let ends = (0..LANES).map(|k| {
             std::array::from_fn(|end| {
-                let n = (rank * 6 + end * 3) as u64;
+                let n = (k * 6 + end * 3) as u64;
                 let point = Vec3::new(number(n), number(n + 1), number(n + 2)) * Vec3::new(6.0, 4.0, 3.0);
                 let place = grid.place(point);
-                (0..3).for_each(|axis| rows[end].0[axis][rank] = f32::from(place[axis]));
+                (0..3).for_each(|axis| stored[end][axis][k] = f32::from(place[axis]));
                 point
             })
         });
         let ends = ends.collect();
-        (rows, ends)
+        (stored, ends)
     }
 
     /// How much of a segment is in a box, as a share; negative if none is.
@@ -213,22 +289,80 @@ mod tests {
     fn every_segment_through_a_box_is_found_and_few_others() {
         let grid = Grid::new([Vec3::ZERO, Vec3::new(6.0, 4.0, 3.0)], 6.0);
         let (mut through, mut found) = (0, 0);
-        for seed in 0..400 {
+        for seed in 0..12_000 {
             let ([from, to], ends) = segments(&grid, seed);
             // From a grain of dust to half the room; some reach out of it.
             let size = 3.0 * (mix(seed) % 1000) as f32 / 1000.0;
             let middle = ends[0][0];
             let bounds = [middle - Vec3::new(size, size * 0.1, size * 0.5), middle + Vec3::splat(size * 0.3 + 1e-5)];
-            let mut flags = [0; PHOTONS];
-            crossed(&from, &to, &grid.cuboid(bounds, 0.0).0.unwrap(), &mut flags, PHOTONS);
+            let flags = Segments::new(Portable, from, to).cross(&grid.cuboid(bounds, 0.0).0.unwrap());
             for (rank, segment) in ends.iter().enumerate() {
                 let meets = inside(*segment, bounds) >= 0.0;
-                assert!(!meets || flags[rank] != 0, "seed {seed}, segment {rank}");
+                assert!(!meets || flags >> rank & 1 != 0, "seed {seed}, segment {rank}");
                 through += u32::from(meets);
-                found += u32::from(flags[rank] != 0);
+                found += flags >> rank & 1;
             }
         }
         assert!(through > 10_000 && found < through + through / 100, "{through} go through, {found} are found");
+    }
+
+    #[test]
+    fn all_machines_suspect_the_same_and_as_much_as_one_photon_at_a_time() {
+        let grid = Grid::new([Vec3::ZERO, Vec3::new(6.0, 4.0, 3.0)], 6.0);
+        let mut suspected = 0;
+        for seed in 0..300u64 {
+            let number = |n: u64| mix(mix(seed) ^ n);
+            let point = |n: u64| Vec3::from_array([n, n + 1, n + 2].map(|n| (number(n) % 4096) as f32 / 4096.0)) * 6.5;
+            let photons = [0, 1, 7, 8, 9, 255, 256][(seed % 7) as usize];
+            let lamp = |photon: u64| if seed % 3 == 0 { 1 } else { (number(photon) % 3) as u16 };
+            let mut paths: Vec<Vec<Entry>> = Vec::new();
+            let mut loose = Loose::default();
+            loose.clear(photons);
+            for photon in 0..photons as u64 {
+                let entry = |hit: u64| {
+                    let n = 10_000 + photon * 100 + hit * 10;
+                    let element = if number(n) % 9 == 0 { ESCAPED } else { (number(n) % 2000) as u32 };
+                    Entry { place: grid.place(point(n)), element }
+                };
+                let path: Vec<_> = (0..number(photon + 500) % 9).map(entry).collect();
+                loose.set(photon as u8, lamp(photon), &path);
+                paths.push(path);
+            }
+            let boxes: Vec<_> = (0..seed % 5).filter_map(|n| grid.cuboid([point(n * 9), point(n * 9) + 0.5], 0.0).0).collect();
+            let origins = (0..2).map(|lamp| grid.place(point(77 + lamp)).map(f32::from)).collect();
+            let suspicion = Suspicion {
+                all: seed % 50 == 49,
+                lamps: if seed % 4 == 0 { vec![1] } else { vec![] },
+                elements: vec![20..21, 300..350],
+                around: grid.cuboid([Vec3::ZERO, Vec3::splat(7.0)], 0.0).0,
+                boxes,
+                beyond: seed % 6 == 0,
+                origins,
+            };
+            let chunk = loose.store();
+            let marks = suspicion.marks(&chunk);
+            if !suspicion.all {
+                assert_eq!(marks, Looking { suspicion: &suspicion, chunk: &chunk }.run(Portable));
+            }
+            for (rank, photon) in chunk.order().iter().enumerate() {
+                let (of_lamp, mut from) = suspicion.of_lamp(lamp(u64::from(*photon)));
+                let mut wrong = suspicion.all || of_lamp;
+                for entry in &paths[usize::from(*photon)] {
+                    let to = entry.place.map(f32::from);
+                    let one = |place: [f32; 3]| place.map(|steps| [steps; LANES]);
+                    wrong |= suspicion.elements.iter().any(|range| range.contains(&entry.element))
+                        || (suspicion.beyond && entry.element == ESCAPED);
+                    if suspicion.beyond || !suspicion.boxes.is_empty() {
+                        wrong |= Segments::new(Portable, one(from), one(to)).touch(&suspicion) != 0;
+                    }
+                    from = to;
+                }
+                assert_eq!(marks.has(rank), wrong, "seed {seed}, photon {photon}");
+                suspected += u32::from(wrong);
+            }
+            assert!(marks.ranks().all(|rank| rank < photons) && marks.ranks().count() as u32 == marks.count());
+        }
+        assert!(suspected > 3000, "{suspected}");
     }
 
     #[test]
