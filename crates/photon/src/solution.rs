@@ -84,7 +84,7 @@ struct Visibility {
 }
 
 /// How many first segments that can reach what changed a pilot that met it is worth. More: what pilots find counts sooner; fewer: what
-/// a lamp shines at comes first for longer. From 4 to 64 it matters little.
+/// a lamp shines at comes first for longer. Four times as many or a quarter change little.
 const PILOT: u64 = 16;
 
 /// V counts once so many pilots per group have been shot since the camera moved; until then it is 1 for all.
