@@ -30,6 +30,7 @@ mod collapse;
 pub mod courtesy;
 pub mod drag;
 pub mod emission;
+mod first_segment;
 pub mod halton;
 mod hash;
 pub mod irradiance;

@@ -274,6 +274,17 @@ impl World {
         Crowd::new(ids.iter().map(placed).collect())
     }
 
+    /// The box about object `id` where it stands; `None` if it is gone.
+    pub fn bounds_of(&self, id: usize) -> Option<[Vec3; 2]> {
+        let of_mesh = || {
+            let motion = self.motion(id);
+            let corners = self.object(id).mesh.positions.iter().map(|p| motion.point(*p).as_vec3());
+            corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
+        };
+        let there = self.configuration.has_object(id);
+        there.then(|| self.crowd.find(id).map_or_else(of_mesh, |placed| placed.body.bounds()))
+    }
+
     /// What never moves.
     pub(crate) fn fixed(&self) -> &Arc<Body> {
         &self.fixed
