@@ -213,7 +213,7 @@ impl LedgerSolution {
     /// Scans up to `chunks` chunks of 256 photons; whether all are scanned now. Its cost does not depend on what changed, so it can be
     /// cut into slices.
     pub fn scan(&mut self, chunks: usize) -> bool {
-        let end = (self.scanned + chunks).min(self.chunks.len());
+        let end = self.scanned.saturating_add(chunks).min(self.chunks.len());
         let (pasts, newest) = (&self.pasts, self.newest);
         self.chunks[self.scanned..end].par_iter_mut().with_min_len(64).for_each(|held| held.scan(pasts, newest));
         self.scanned = end;
