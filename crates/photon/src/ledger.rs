@@ -15,6 +15,7 @@ mod numbers;
 mod repair;
 mod replay;
 mod scan;
+mod swarm;
 
 use crate::{
     bucket::Buckets,

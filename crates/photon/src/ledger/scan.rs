@@ -9,6 +9,7 @@ use super::{
     chunk::{Chunk, PHOTONS},
     grid::{Cuboid, Grid, OUTSIDE},
     numbers::{ESCAPED, Numbers},
+    swarm::Swarm,
 };
 use crate::world::{Crowd, Difference, World};
 use std::ops::Range;
@@ -51,9 +52,7 @@ pub struct Suspicion {
     all: bool,
     lamps: Vec<u16>,
     triangles: Vec<Range<u32>>,
-    boxes: Vec<Cuboid>,
-    /// About all of them.
-    around: Option<Cuboid>,
+    boxes: Swarm,
     /// Something moved to where the grid does not reach.
     beyond: bool,
     /// Where the lamps stood, in steps of the grid, by number.
@@ -65,15 +64,12 @@ impl Suspicion {
     pub fn new(before: &World, changed: &Difference, moved_in: &Crowd, numbers: &Numbers, grid: &Grid) -> Suspicion {
         // The most by which a path steps back from a surface, and a little for where the hit is stored.
         let slack = 16.5 * before.reach().step_back();
-        let boxes: Vec<_> = moved_in.bounds().map(|bounds| grid.cuboid(bounds, slack)).collect();
-        let around = moved_in.bounds().reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         Suspicion {
             all: changed.choice,
             lamps: changed.lamps.iter().map(|lamp| *lamp as u16).collect(),
             triangles: numbers.of_objects(&changed.objects),
-            beyond: boxes.iter().any(|(_, inside)| !inside),
-            around: around.and_then(|bounds| grid.cuboid(bounds, slack).0),
-            boxes: boxes.into_iter().filter_map(|(cuboid, _)| cuboid).collect(),
+            beyond: moved_in.bounds().any(|bounds| !grid.cuboid(bounds, slack).1),
+            boxes: Swarm::new(moved_in.bounds(), slack, grid),
             origins: before.lamps().iter().map(|lamp| grid.place(lamp.position.as_vec3()).map(f32::from)).collect(),
         }
     }
@@ -115,16 +111,7 @@ impl Suspicion {
                     }
                 }
                 unknown(from, to, &mut flags, reaching);
-                // Things that ride on one another stand together: most segments pass all of them by at once.
-                let near = self.boxes.len() < 3
-                    || self.around.is_some_and(|around| {
-                        let mut near = [0; PHOTONS];
-                        crossed(from, to, &around, &mut near, reaching);
-                        near.iter().any(|flag| *flag != 0)
-                    });
-                if near {
-                    self.boxes.iter().for_each(|cuboid| crossed(from, to, cuboid, &mut flags, reaching));
-                }
+                self.boxes.met(from, to, &mut flags, reaching);
                 if self.beyond {
                     for (flag, triangle) in flags.iter_mut().zip(level.triangles) {
                         *flag |= u32::from(*triangle == ESCAPED);
@@ -138,7 +125,7 @@ impl Suspicion {
 }
 
 /// Points of one level, in steps of the grid: x, y and z.
-struct Row([[f32; PHOTONS]; 3]);
+pub struct Row(pub [[f32; PHOTONS]; 3]);
 
 impl Default for Row {
     fn default() -> Row {
@@ -154,7 +141,7 @@ fn unknown(from: &Row, to: &Row, flags: &mut [u32; PHOTONS], reaching: usize) {
 }
 
 /// Raises the flags of segments that meet a box. No branches, so that the compiler makes vector instructions of it.
-fn crossed(from: &Row, to: &Row, cuboid: &Cuboid, flags: &mut [u32; PHOTONS], reaching: usize) {
+pub fn crossed(from: &Row, to: &Row, cuboid: &Cuboid, flags: &mut [u32; PHOTONS], reaching: usize) {
     let [sx, sy, sz] = cuboid.size;
     let [cx, cy, cz] = cuboid.sum;
     let reaching = reaching.min(PHOTONS);
