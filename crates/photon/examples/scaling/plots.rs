@@ -48,12 +48,12 @@ impl Law {
 type Column = (&'static str, &'static [&'static str], RGBColor);
 
 const SECONDS: [Column; 6] = [
-    ("shooting", &["plain s"], INK),
-    ("shooting with the ledger", &["ledger s"], GREY),
-    ("scan", &["small scan s"], BLUE),
-    ("repair, small", &["small repair s"], GREEN),
-    ("repair, large", &["large repair s"], OCHRE),
-    ("an edit taken up", &["small moved s", "small change s"], RED),
+    ("shooting", &["plain processor s"], INK),
+    ("shooting with the ledger", &["ledger processor s"], GREY),
+    ("scan", &["small scan processor s"], BLUE),
+    ("repair, small", &["small repair processor s"], GREEN),
+    ("repair, large", &["large repair processor s"], OCHRE),
+    ("an edit taken up", &["small moved processor s", "small change processor s"], RED),
 ];
 
 const BYTES: [Column; 4] = [
@@ -82,7 +82,7 @@ pub fn draw(out: &Path, measured: &[Measured]) -> Result<(), Box<dyn Error>> {
         for [axis, scene, x, across] in rows {
             let of_row: Vec<&Measured> =
                 measured.iter().filter(|m| m.point.axis() == *axis && m.point.scene == *scene && m.values[*x] > 0.0).collect();
-            for (columns, upwards) in [(&SECONDS[..], "seconds"), (&BYTES[..], "bytes")] {
+            for (columns, upwards) in [(&SECONDS[..], "processor seconds"), (&BYTES[..], "bytes")] {
                 let curves: Vec<Curve> = columns.iter().filter_map(|column| curve(column, x, &of_row)).collect();
                 if !curves.is_empty() {
                     panels.push(Panel {

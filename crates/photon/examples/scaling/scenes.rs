@@ -6,7 +6,13 @@ use lightmend_scene::{
     Configuration, Edit, Lattice, Mesh, Object, Scene, Up,
     format::{LampEntry, MaterialEntry, ObjectEntry, SceneFile, write_ron},
 };
-use std::{collections::HashMap, error::Error, fs, path::Path, sync::Arc};
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    error::Error,
+    fs,
+    path::Path,
+    sync::Arc,
+};
 
 /// The scene of a point, from the folder of our scenes; what has to be written is written into `out`.
 pub fn make(point: &Point, scenes: &Path, out: &Path) -> Result<Arc<Scene>, Box<dyn Error>> {
@@ -31,19 +37,18 @@ pub fn make(point: &Point, scenes: &Path, out: &Path) -> Result<Arc<Scene>, Box<
     }
 }
 
+/// A mesh and its elements.
+type Cut = (Arc<Mesh>, Arc<Lattice>);
+
 /// The same objects with other meshes and elements; what was shared still is.
-fn remade(
-    mut scene: Arc<Scene>,
-    of: impl Fn(&Object) -> Result<(Arc<Mesh>, Arc<Lattice>), Box<dyn Error>>,
-) -> Result<Arc<Scene>, Box<dyn Error>> {
-    let mut made = HashMap::new();
+fn remade(mut scene: Arc<Scene>, of: impl Fn(&Object) -> Result<Cut, Box<dyn Error>>) -> Result<Arc<Scene>, Box<dyn Error>> {
+    let mut made: HashMap<*const Mesh, (Cut, Arc<Mesh>)> = HashMap::new();
     for object in &mut Arc::get_mut(&mut scene).ok_or("the scene is in use")?.objects {
-        let of_mesh = Arc::as_ptr(&object.mesh);
-        if !made.contains_key(&of_mesh) {
+        let (mesh, lattice) = match made.entry(Arc::as_ptr(&object.mesh)) {
+            Entry::Occupied(known) => known.get().0.clone(),
             // The old mesh is kept as well, so that no other one comes to lie in its place.
-            made.insert(of_mesh, (of(object)?, object.mesh.clone()));
-        }
-        let (mesh, lattice) = made[&of_mesh].0.clone();
+            Entry::Vacant(new) => new.insert((of(object)?, object.mesh.clone())).0.clone(),
+        };
         *object = Arc::new(Object { mesh, lattice, ..Object::clone(object) });
     }
     Ok(scene)
