@@ -207,6 +207,17 @@ fn several_edits_before_a_repair_cost_one_trace_and_going_home_costs_none() {
 }
 
 #[test]
+fn a_slice_and_all_the_rest_are_a_whole_scan() {
+    let scene = own_scene("cornell");
+    let mut ledger = ledger(pool(50_000), &world(&scene));
+    let away = Configuration::initial(&scene).apply(&Edit::Remove { object: "tall box".into() }).unwrap();
+    ledger.change(Arc::new(ledger.world().moved_to(&away))).unwrap();
+    assert!(!ledger.scan(1) && ledger.scan(usize::MAX));
+    drain(&mut ledger, usize::MAX);
+    assert!(ledger.is_exact() && ledger.buckets() == fresh(pool(50_000), &away).buckets());
+}
+
+#[test]
 fn too_little_memory_is_told() {
     let scene = own_scene("cornell");
     let refused = LedgerSolution::shoot(pool(20_000), world(&scene), FirstHits::AsLampsSay, 100_000, &mut |_, _| true).err();

@@ -6,11 +6,14 @@
 //! RMS over the camera's pixels of the difference of irradiance, over the RMS of the drained light. Writes `drag.svg`, `drag.png` and
 //! `drag.tsv` into OUT (`out`). Threads: all cores; nothing is drawn meanwhile.
 
-#[path = "seed_figures/chart.rs"]
-#[allow(dead_code)]
+#[path = "support/chart.rs"]
+#[allow(dead_code, reason = "shared with the seed's figures, which also use dashes")]
 mod chart;
+#[path = "support/picture.rs"]
+#[allow(dead_code, reason = "shared, with more colours")]
+mod picture;
 
-use chart::{BLUE, Curve, GREEN, Panel, Panels, RED, Stroke};
+use chart::{Curve, Panel, Panels, Stroke};
 use lightmend_photon::{
     body::TreePreset,
     bucket::Buckets,
@@ -23,6 +26,7 @@ use lightmend_photon::{
     world::World,
 };
 use lightmend_scene::{Configuration, Moves, Scene};
+use picture::{BLUE, GREEN, RED};
 use std::{
     error::Error,
     fmt::Write,
@@ -99,7 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = Path::new(&out);
     std::fs::create_dir_all(out)?;
     std::fs::write(out.join("drag.tsv"), table)?;
-    chart::write(out, "drag", &Panels { columns: 1, panels: vec![panel] })
+    picture::write(out, "drag", &Panels { columns: 1, panels: vec![panel] })
 }
 
 /// Visible error of `light`, values of what is seen at a step, against its drained light.

@@ -16,6 +16,7 @@ mod repair;
 mod replay;
 mod scan;
 mod surfaces;
+mod swarm;
 
 use crate::{
     bucket::Buckets,

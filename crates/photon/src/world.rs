@@ -71,7 +71,8 @@ impl<'t> Task for Nearest<'t, '_> {
     fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
         let Nearest { ray, crowd, fixed, mut best } = self;
         let beam = Beam::new(lanes, ray);
-        for (planes, placed) in crowd.boxes.eights().iter().zip(crowd.placed.chunks(LANES)) {
+        for (n, planes) in crowd.boxes.eights().iter().enumerate() {
+            let placed = &crowd.placed[n * LANES..];
             let (mut mask, enter) = beam.enters(planes, limit(&best));
             if mask == 0 {
                 continue;
@@ -88,6 +89,23 @@ impl<'t> Task for Nearest<'t, '_> {
         if let Some(body) = fixed {
             body.nearest(&beam, &mut best);
         }
+        best
+    }
+}
+
+/// What the ray meets first of one body. Apart from [`Nearest`], so that where nothing moves no ray pays for the loop over what does.
+struct Alone<'t, 'r> {
+    ray: &'r Ray<'r>,
+    body: &'t Body,
+}
+
+impl<'t> Task for Alone<'t, '_> {
+    type Output = Option<Hit<'t>>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
+        let mut best = None;
+        self.body.nearest(&Beam::new(lanes, self.ray), &mut best);
         best
     }
 }
@@ -335,6 +353,9 @@ impl World {
 
     /// The first surface that a ray meets.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
+        if self.crowd.placed.is_empty() {
+            return widest(Alone { ray, body: &self.fixed });
+        }
         widest(Nearest { ray, crowd: &self.crowd, fixed: Some(&self.fixed), best: None })
     }
 

@@ -2,8 +2,9 @@
 //! ratio of pilots against the other.
 
 use crate::{
-    chart::{BLUE, Curve, GREEN, GREY, INK, OCHRE, Panel, RED, Stroke},
+    chart::{Curve, Panel, Stroke},
     measure::{Moment, reached},
+    picture::{BLUE, GREEN, GREY, INK, OCHRE, RED},
 };
 
 /// One repair, and what is told of it.

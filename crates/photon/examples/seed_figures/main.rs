@@ -11,10 +11,13 @@
 //! Figure 7, the rest use 16. Edits before the time of a file's last one prepare the scene.
 //! docs/seed-figures.md reads the results.
 
+#[path = "../support/chart.rs"]
 mod chart;
 mod curves;
 mod measure;
 mod paths;
+#[path = "../support/picture.rs"]
+mod picture;
 mod twice;
 
 use chart::Panels;
@@ -193,7 +196,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     if !panels.is_empty() {
-        chart::write(&arguments.out, &format!("figure5_{}", scene.name), &Panels { columns: 2, panels })?;
+        picture::write(&arguments.out, &format!("figure5_{}", scene.name), &Panels { columns: 2, panels })?;
     }
     tables.print();
     Ok(())
@@ -206,7 +209,7 @@ fn draw_groups(case: &Case, arguments: &Arguments, scene: &str) -> Result<(), Bo
     let bundles = paths::best_two(solution.pool(), &case.facts, solution.rules(), &case.after, coarse);
     let title = format!("{scene}, {}: two of {fine} groups, first segments and first bounces, in plan and elevation", case.name);
     let plan = paths::Plan::new(title, &case.before, &case.after, bundles);
-    chart::write(&arguments.out, &format!("figure6_{scene}"), &plan)
+    picture::write(&arguments.out, &format!("figure6_{scene}"), &plan)
 }
 
 /// Figure 7.
@@ -217,7 +220,7 @@ fn draw_ratios(case: &Case, arguments: &Arguments, scene: &str) -> Result<Vec<Co
         arguments.ratios.iter().map(|ratio| case.course(coarse, *ratio, name(*ratio))).collect::<Result<Vec<_>, _>>()?;
     let title = format!("{scene}, {}, Ng = {coarse}", case.name);
     let panels = vec![against_time(&title, &courses, case.relevant), against_rays(&title, &courses, case.relevant, false)];
-    chart::write(&arguments.out, &format!("figure7_{scene}"), &Panels { columns: 2, panels })?;
+    picture::write(&arguments.out, &format!("figure7_{scene}"), &Panels { columns: 2, panels })?;
     Ok(courses)
 }
 

@@ -2,8 +2,8 @@
 //! the side.
 
 use crate::{
-    chart::{BLUE, Drawn, FONT, GREEN, GREY, INK, OCHRE, Picture, RED},
     measure::Fact,
+    picture::{BLUE, Drawn, FONT, GREEN, GREY, INK, OCHRE, Picture, RED},
 };
 use glam::{DVec3, Vec3};
 use lightmend_photon::{

@@ -9,6 +9,7 @@ use super::{
     chunk::{Chunk, Level, PHOTONS},
     grid::{Cuboid, Grid, OUTSIDE},
     numbers::{ESCAPED, Numbers},
+    swarm::Swarm,
 };
 use crate::{
     lanes::{LANES, Lanes, Task, widest},
@@ -68,9 +69,7 @@ pub struct Suspicion {
     all: bool,
     lamps: Vec<u16>,
     elements: Vec<Range<u32>>,
-    boxes: Vec<Cuboid>,
-    /// About all of them.
-    around: Option<Cuboid>,
+    boxes: Swarm,
     /// Something moved to where the grid does not reach.
     beyond: bool,
     /// Where the lamps stood, in steps of the grid, by number.
@@ -82,15 +81,12 @@ impl Suspicion {
     pub fn new(before: &World, changed: &Difference, moved_in: &Crowd, numbers: &Numbers, grid: &Grid) -> Suspicion {
         // The most by which a path steps back from a surface, and a little for where the hit is stored.
         let slack = 16.5 * before.reach().step_back();
-        let boxes: Vec<_> = moved_in.bounds().map(|bounds| grid.cuboid(bounds, slack)).collect();
-        let around = moved_in.bounds().reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         Suspicion {
             all: changed.choice,
             lamps: changed.lamps.iter().map(|lamp| *lamp as u16).collect(),
             elements: numbers.of_objects(&changed.objects),
-            beyond: boxes.iter().any(|(_, inside)| !inside),
-            around: around.and_then(|bounds| grid.cuboid(bounds, slack).0),
-            boxes: boxes.into_iter().filter_map(|(cuboid, _)| cuboid).collect(),
+            beyond: moved_in.bounds().any(|bounds| !grid.cuboid(bounds, slack).1),
+            boxes: Swarm::new(moved_in.bounds(), slack, grid),
             origins: before.lamps().iter().map(|lamp| grid.place(lamp.position.as_vec3()).map(f32::from)).collect(),
         }
     }
@@ -120,7 +116,7 @@ impl Task for Looking<'_> {
     fn run<L: Lanes>(self, l: L) -> Marks {
         let Looking { suspicion, chunk } = self;
         let Level { places: [xs, ys, zs], elements } = chunk.all();
-        let walks = suspicion.beyond || !suspicion.boxes.is_empty();
+        let walks = suspicion.beyond || !suspicion.boxes.0.is_empty();
         let mut marks = Marks::default();
         for block in (0..chunk.order().len()).step_by(LANES) {
             let (mut found, mut from) = self.leaving(l, block);
@@ -214,11 +210,15 @@ impl<L: Lanes> Segments<L> {
     fn touch(&self, suspicion: &Suspicion) -> L::Mask {
         let l = self.lanes;
         let mut touched = self.outside;
-        // Things that ride on one another stand together: most segments pass all of them by at once.
-        let near = suspicion.boxes.len() < 3 || suspicion.around.is_some_and(|around| l.bits(self.cross(&around)) != 0);
-        if near {
-            for cuboid in &suspicion.boxes {
-                touched = l.or(touched, self.cross(cuboid));
+        let (nodes, mut next) = (&suspicion.boxes.0, 0);
+        while let Some(node) = nodes.get(next) {
+            let crossed = self.cross(&node.cuboid);
+            next = match l.bits(crossed) {
+                0 => node.next as usize,
+                _ => next + 1,
+            };
+            if node.moved {
+                touched = l.or(touched, crossed);
             }
         }
         touched
@@ -328,14 +328,14 @@ mod tests {
                 loose.set(photon as u8, lamp(photon), &path);
                 paths.push(path);
             }
-            let boxes: Vec<_> = (0..seed % 5).filter_map(|n| grid.cuboid([point(n * 9), point(n * 9) + 0.5], 0.0).0).collect();
+            let corners = (0..seed % 23).map(|n| [point(n * 9), point(n * 9) + 0.3]);
+            let boxes: Vec<_> = corners.clone().filter_map(|corners| grid.cuboid(corners, 0.0).0).collect();
             let origins = (0..2).map(|lamp| grid.place(point(77 + lamp)).map(f32::from)).collect();
             let suspicion = Suspicion {
                 all: seed % 50 == 49,
                 lamps: if seed % 4 == 0 { vec![1] } else { vec![] },
                 elements: vec![20..21, 300..350],
-                around: grid.cuboid([Vec3::ZERO, Vec3::splat(7.0)], 0.0).0,
-                boxes,
+                boxes: Swarm::new(corners, 0.0, &grid),
                 beyond: seed % 6 == 0,
                 origins,
             };
@@ -352,8 +352,10 @@ mod tests {
                     let one = |place: [f32; 3]| place.map(|steps| [steps; LANES]);
                     wrong |= suspicion.elements.iter().any(|range| range.contains(&entry.element))
                         || (suspicion.beyond && entry.element == ESCAPED);
-                    if suspicion.beyond || !suspicion.boxes.is_empty() {
-                        wrong |= Segments::new(Portable, one(from), one(to)).touch(&suspicion) != 0;
+                    if suspicion.beyond || !boxes.is_empty() {
+                        // Boxes about boxes change nothing.
+                        let segment = Segments::new(Portable, one(from), one(to));
+                        wrong |= segment.outside != 0 || boxes.iter().any(|cuboid| segment.cross(cuboid) != 0);
                     }
                     from = to;
                 }
