@@ -49,4 +49,5 @@ mod tree;
 pub mod triangle;
 pub mod vertex_irradiance;
 pub mod visible;
+pub mod wave;
 pub mod world;

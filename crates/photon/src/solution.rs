@@ -9,10 +9,11 @@
 use crate::{
     bucket::Buckets,
     hash::shuffle,
-    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
+    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
     saved::Saved,
     visible::Frustum,
+    wave::trace_each,
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -467,9 +468,7 @@ impl Shooting {
 
     fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
         let mut outcome = Outcome::new(self.tallies.len(), false);
-        for index in in_class(indices, class, self.rules.sequence.copies()) {
-            trace(&self.rules, &self.world, index, &mut outcome);
-        }
+        trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), &mut outcome);
         outcome
     }
 

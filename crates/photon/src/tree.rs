@@ -12,6 +12,7 @@ use crate::{
     triangle::{Hit, Ray, Triangle},
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Eight boxes: low x, y, z, high x, y, z of each.
 pub type Planes = [[f32; LANES]; 6];
@@ -33,6 +34,7 @@ struct Node {
 }
 
 /// Up to eight triangles, five lines of cache.
+#[derive(Clone)]
 #[repr(align(64))]
 struct Block {
     /// Per corner and axis; not numbers where there is no triangle.
@@ -44,7 +46,7 @@ struct Block {
 /// The tree.
 #[derive(Default)]
 pub struct Tree {
-    nodes: Vec<Node>,
+    nodes: Arc<[Node]>,
     blocks: Vec<Block>,
 }
 
@@ -123,13 +125,13 @@ impl<'r, L: Lanes> Beam<'r, L> {
 
     /// Which of eight boxes the ray enters within `limit`, and where.
     #[inline(always)]
-    pub fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
+    pub fn enters(&self, planes: &Planes, limit: f32) -> (L::Mask, L::Numbers) {
         let l = self.lanes;
         let [nx, ny, nz] = self.near;
         let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), self.zero));
         let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
         let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
-        (l.bits(l.at_most(enter, leave)), enter)
+        (l.at_most(enter, leave), enter)
     }
 
     /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
@@ -168,11 +170,31 @@ impl Tree {
         let (branches, order) = binary(&boxes, effort);
         *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
         let collapse = Collapse::new(&branches);
-        let mut tree = Tree::default();
-        tree.node(&collapse, &branches, 0, triangles);
-        tree
+        let mut growing = Growing::default();
+        growing.node(&collapse, &branches, 0, triangles);
+        Tree { nodes: growing.nodes.into(), blocks: growing.blocks }
     }
 
+    /// The tree in which triangles are gone: nodes are shared, boxes stay as large as they were.
+    pub fn without(&self, gone: impl Fn(usize) -> bool) -> Tree {
+        let mut blocks = self.blocks.clone();
+        for block in &mut blocks {
+            for k in (0..LANES).filter(|k| gone(block.first as usize + k)) {
+                block.corners.iter_mut().flatten().for_each(|numbers| numbers[k] = f32::NAN);
+            }
+        }
+        Tree { nodes: self.nodes.clone(), blocks }
+    }
+}
+
+/// A tree that is being built.
+#[derive(Default)]
+struct Growing {
+    nodes: Vec<Node>,
+    blocks: Vec<Block>,
+}
+
+impl Growing {
     fn node(&mut self, collapse: &Collapse, branches: &[Branch], branch: usize, triangles: &[Triangle]) -> u32 {
         let own = self.nodes.len();
         self.nodes.push(Node { planes: NO_BOXES, children: [BLOCK; LANES] });
@@ -197,63 +219,131 @@ impl Tree {
         }
         own as u32
     }
+}
 
-    /// Calls `visit` with every block that the ray may meet within its limit, near ones first as a rule; `visit` returns the new limit.
+impl Tree {
+    /// One visit of a node or a block on the ray's way. Where the way goes on, near children first as a rule; `None` at its end.
     #[inline(always)]
-    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, mut visit: impl Visit) {
-        if self.nodes.is_empty() {
-            return;
+    fn visit<L: Lanes>(
+        &self,
+        beam: &Beam<L>,
+        at: u32,
+        limit: &mut f32,
+        stack: &mut Stack,
+        visit: &mut impl Visit,
+    ) -> Option<u32> {
+        let l = beam.lanes;
+        if at & BLOCK != 0 {
+            *limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], *limit);
+        } else {
+            let node = &self.nodes[at as usize];
+            let (mask, enter) = beam.enters(&node.planes, *limit);
+            let count = l.bits(mask).count_ones() as usize;
+            if count > 0 {
+                let (enters, children) = l.descending(enter, mask, &node.children);
+                stack.push(count - 1, &enters, &children);
+                return Some(children[count - 1]);
+            }
         }
-        let mut stack = Stack::new();
-        let mut at = 0u32;
-        loop {
-            if at & BLOCK != 0 {
-                limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], limit);
-            } else {
-                let node = &self.nodes[at as usize];
-                let (mut mask, enter) = beam.enters(&node.planes, limit);
-                if mask != 0 {
-                    let enter = beam.lanes.store(enter);
-                    let mut take = || {
-                        let k = mask.trailing_zeros() as usize;
-                        mask &= mask - 1;
-                        ((enter[k & 7], node.children[k & 7]), mask == 0)
-                    };
-                    let (mut nearest, mut last) = take();
-                    let bottom = stack.len();
-                    while !last {
-                        let mut entry;
-                        (entry, last) = take();
-                        if entry.0 < nearest.0 {
-                            std::mem::swap(&mut entry, &mut nearest);
-                        }
-                        stack.insert(bottom, entry);
-                    }
-                    at = nearest.1;
-                    continue;
-                }
-            }
-            loop {
-                let Some((enter, next)) = stack.pop() else { return };
-                if enter <= limit {
-                    at = next;
-                    break;
-                }
-            }
+        stack.pop(*limit)
+    }
+
+    #[inline(always)]
+    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, stack: &mut Stack, mut visit: impl Visit) {
+        stack.clear();
+        let mut at = (!self.nodes.is_empty()).then_some(0);
+        while let Some(here) = at {
+            at = self.visit(beam, here, &mut limit, stack, &mut visit);
         }
     }
 
     /// Makes `best` the nearest of itself and what the ray meets here.
     #[inline(always)]
-    pub fn nearest<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, best: &mut Option<Hit<'t>>) {
-        self.walk(beam, limit(best), First { triangles, best });
+    pub fn nearest<'t, L: Lanes>(
+        &self,
+        triangles: &'t [Triangle],
+        beam: &Beam<L>,
+        stack: &mut Stack,
+        best: &mut Option<Hit<'t>>,
+    ) {
+        self.walk(beam, limit(best), stack, First { triangles, best });
+    }
+
+    /// As [`nearest`](Self::nearest) for many rays, a few of them under way at once: while one waits for memory, others go on.
+    #[inline(always)]
+    pub fn nearest_each<'t, R: AsRay, L: Lanes>(
+        &self,
+        triangles: &'t [Triangle],
+        lanes: L,
+        rays: &[R],
+        stacks: &mut [Stack; FLYING],
+        best: &mut [Option<Hit<'t>>],
+    ) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let mut waiting = 0..rays.len();
+        let mut take = |stack: &mut Stack, best: &[Option<Hit>]| {
+            stack.clear();
+            let number = waiting.next()?;
+            Some(Flight { number, beam: Beam::new(lanes, rays[number].as_ray()), at: 0, limit: limit(&best[number]) })
+        };
+        let mut flights: [Option<Flight<L>>; FLYING] = std::array::from_fn(|k| take(&mut stacks[k], best));
+        let mut flying = true;
+        while flying {
+            flying = false;
+            for (flight, stack) in flights.iter_mut().zip(&mut *stacks) {
+                let Some(Flight { number, beam, at, limit }) = flight else { continue };
+                flying = true;
+                match self.visit(beam, *at, limit, stack, &mut First { triangles, best: &mut best[*number] }) {
+                    Some(next) => {
+                        *at = next;
+                        match next & BLOCK {
+                            0 => lanes.prefetch(&self.nodes[next as usize]),
+                            _ => lanes.prefetch(&self.blocks[(next ^ BLOCK) as usize]),
+                        }
+                    }
+                    None => *flight = take(stack, best),
+                }
+            }
+        }
     }
 
     /// All that the ray meets within `farthest`.
     #[inline(always)]
-    pub fn all<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, farthest: f32, found: &mut Vec<Hit<'t>>) {
-        self.walk(beam, farthest * SLACK, Every { triangles, farthest, found });
+    pub fn all<'t, L: Lanes>(
+        &self,
+        triangles: &'t [Triangle],
+        beam: &Beam<L>,
+        farthest: f32,
+        stack: &mut Stack,
+        found: &mut Vec<Hit<'t>>,
+    ) {
+        self.walk(beam, farthest * SLACK, stack, Every { triangles, farthest, found });
     }
+}
+
+/// How many rays are under way at once. More: more waits for memory overlap; fewer: more of what they need stays in registers and caches.
+pub const FLYING: usize = 4;
+
+/// What holds a ray.
+pub trait AsRay {
+    /// The ray.
+    fn as_ray(&self) -> &Ray<'_>;
+}
+
+impl AsRay for Ray<'_> {
+    fn as_ray(&self) -> &Ray<'_> {
+        self
+    }
+}
+
+/// A ray on its way through a tree.
+struct Flight<'r, L: Lanes> {
+    number: usize,
+    beam: Beam<'r, L>,
+    at: u32,
+    limit: f32,
 }
 
 /// What is done with the blocks on a ray's way.
