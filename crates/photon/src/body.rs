@@ -91,7 +91,12 @@ impl Body {
         stacks: &mut [Stack; FLYING],
         best: &mut [Option<Hit<'t>>],
     ) {
-        self.tree.nearest_each(&self.triangles, lanes, rays, stacks, best);
+        match crate::tree::dev() {
+            1 => for (ray, best) in rays.iter().zip(best) { self.tree.nearest(&self.triangles, &Beam::new(lanes, ray.as_ray()), &mut stacks[0], best); },
+            2 => self.tree.nearest_each::<2, _, _>(&self.triangles, lanes, rays, stacks.first_chunk_mut().unwrap(), best),
+            3 => self.tree.nearest_each::<3, _, _>(&self.triangles, lanes, rays, stacks.first_chunk_mut().unwrap(), best),
+            _ => self.tree.nearest_each::<4, _, _>(&self.triangles, lanes, rays, stacks, best),
+        }
     }
 
     /// The box about it, padded; its low corner is above its high one if it is empty.

@@ -468,6 +468,7 @@ impl Shooting {
 
     fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
         let mut outcome = Outcome::new(self.tallies.len(), false);
+        outcome.deposits.reserve(((indices.end - indices.start) * 3 / CLASSES) as usize);
         trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), &mut outcome);
         outcome
     }

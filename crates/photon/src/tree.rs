@@ -271,7 +271,7 @@ impl Tree {
 
     /// As [`nearest`](Self::nearest) for many rays, a few of them under way at once: while one waits for memory, others go on.
     #[inline(always)]
-    pub fn nearest_each<'t, R: AsRay, L: Lanes>(
+    pub fn nearest_each<'t, const FLYING: usize, R: AsRay, L: Lanes>(
         &self,
         triangles: &'t [Triangle],
         lanes: L,
@@ -325,6 +325,8 @@ impl Tree {
 
 /// How many rays are under way at once. More: more waits for memory overlap; fewer: more of what they need stays in registers and caches.
 pub const FLYING: usize = 4;
+/// DEV
+pub fn dev() -> usize { static D: std::sync::OnceLock<usize> = std::sync::OnceLock::new(); *D.get_or_init(|| std::env::var("DEV").map_or(4, |d| d.parse().unwrap())) }
 
 /// What holds a ray.
 pub trait AsRay {

@@ -90,6 +90,7 @@ pub struct Hit<'a> {
 
 impl<'a> Ray<'a> {
     /// A ray that leaves `leaves`, or starts in free space.
+    #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3, leaves: Option<&'a Triangle>, near: f32) -> Ray<'a> {
         // Adding zero turns -0 into 0: boxes and triangles then agree on the octant.
         let direction = direction + Vec3::ZERO;

@@ -79,7 +79,7 @@ impl Crowd {
 
 thread_local! {
     /// Of the rays that a thread traces.
-    static STACKS: RefCell<[Stack; FLYING]> = const { RefCell::new([const { Stack::new() }; FLYING]) };
+    pub(crate) static STACKS: RefCell<[Stack; FLYING]> = const { RefCell::new([const { Stack::new() }; FLYING]) };
 }
 
 /// What the ray meets first of some bodies.
@@ -104,30 +104,6 @@ impl<'t> Task for Nearest<'t, '_> {
             body.nearest(&beam, stack, &mut best);
         }
         best
-    }
-}
-
-/// What each of many rays meets first.
-struct NearestEach<'t, 'r, R> {
-    rays: &'r [R],
-    crowd: &'t Crowd,
-    still: &'t Body,
-    best: &'r mut [Option<Hit<'t>>],
-    stacks: &'r mut [Stack; FLYING],
-}
-
-impl<R: AsRay> Task for NearestEach<'_, '_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let NearestEach { rays, crowd, still, best, stacks } = self;
-        if !crowd.placed.is_empty() {
-            for (ray, best) in rays.iter().zip(&mut *best) {
-                crowd.meet(&Beam::new(lanes, ray.as_ray()), &mut stacks[0], best);
-            }
-        }
-        still.nearest_each(lanes, rays, stacks, best);
     }
 }
 
@@ -429,11 +405,22 @@ impl World {
     }
 
     /// As [`nearest`](Self::nearest) for many rays at once, in much less time if there is much to fetch from memory.
-    pub(crate) fn nearest_each<'w>(&'w self, rays: &[impl AsRay], met: &mut Vec<Option<Hit<'w>>>) {
+    #[inline(always)]
+    pub(crate) fn nearest_each<'w, L: Lanes>(
+        &'w self,
+        lanes: L,
+        rays: &[impl AsRay],
+        stacks: &mut [Stack; FLYING],
+        met: &mut Vec<Option<Hit<'w>>>,
+    ) {
         met.clear();
         met.resize(rays.len(), None);
-        let (crowd, still, best) = (&self.crowd, &*self.still.body, &mut met[..]);
-        STACKS.with_borrow_mut(|stacks| widest(NearestEach { rays, crowd, still, best, stacks }));
+        if !self.crowd.placed.is_empty() {
+            for (ray, best) in rays.iter().zip(&mut *met) {
+                self.crowd.meet(&Beam::new(lanes, ray.as_ray()), &mut stacks[0], best);
+            }
+        }
+        self.still.body.nearest_each(lanes, rays, stacks, met);
     }
 
     /// The same without the widest lanes of this machine.
@@ -470,6 +457,7 @@ impl World {
     }
 
     /// The direction in which a photon leaves lamp `id`, unit.
+    #[inline(always)]
     pub fn emission(&self, id: usize, u: f64, v: f64) -> Vec3 {
         let local = match &self.configuration.lamp(id).photometry {
             None => uniform_sphere(u, v),
