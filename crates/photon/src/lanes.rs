@@ -25,6 +25,8 @@ pub trait Lanes: Copy {
     fn sub(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// a · b
     fn mul(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    /// a · b - c, rounded once or twice: not the same bits everywhere.
+    fn mul_sub(self, a: Self::Numbers, b: Self::Numbers, c: Self::Numbers) -> Self::Numbers;
     /// a / b
     fn div(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// The smaller; b if one is not a number.
@@ -64,7 +66,7 @@ pub trait Task {
 #[allow(unsafe_code)]
 pub fn widest<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
+    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
         // SAFETY: the processor has what the function was compiled for.
         return unsafe { avx2::run(task) };
     }
@@ -112,6 +114,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn mul(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
         each(|k| a[k] * b[k])
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
+        each(|k| a[k] * b[k] - c[k])
     }
     #[inline(always)]
     fn div(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
@@ -177,7 +183,7 @@ mod avx2 {
     use super::{LANES, Lanes, Task};
     use std::arch::x86_64::*;
 
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn run<T: Task>(task: T) -> T::Output {
         task.run(Avx2(()))
     }
@@ -223,6 +229,10 @@ mod avx2 {
         #[inline(always)]
         fn mul(self, a: __m256, b: __m256) -> __m256 {
             intrinsic!(_mm256_mul_ps(a, b))
+        }
+        #[inline(always)]
+        fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            intrinsic!(_mm256_fmsub_ps(a, b, c))
         }
         #[inline(always)]
         fn div(self, a: __m256, b: __m256) -> __m256 {

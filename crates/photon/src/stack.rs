@@ -34,6 +34,25 @@ impl Stack {
         self.len = top + count;
     }
 
+    /// How many there are.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Puts one in its place among those from `bottom` on, the nearest on top.
+    #[inline(always)]
+    pub fn insert(&mut self, bottom: usize, (enter, child): (f32, u32)) {
+        let mut place = self.len;
+        self.len += 1;
+        while place > bottom && self.enters[place - 1] < enter {
+            self.enters[place] = self.enters[place - 1];
+            self.children[place] = self.children[place - 1];
+            place -= 1;
+        }
+        (self.enters[place], self.children[place]) = (enter, child);
+    }
+
     /// The topmost child that the ray enters within `limit`; those above it are dropped.
     #[inline(always)]
     pub fn pop(&mut self, limit: f32) -> Option<u32> {

@@ -56,7 +56,8 @@ pub struct Beam<'r, L: Lanes> {
     pub lanes: L,
     /// The ray itself.
     pub ray: &'r Ray<'r>,
-    origin: [L::Numbers; 3],
+    /// Origin times `inverse`.
+    ahead: [L::Numbers; 3],
     inverse: [L::Numbers; 3],
     /// Which plane of a box is entered, per axis.
     near: [usize; 3],
@@ -88,7 +89,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
         Beam {
             lanes,
             ray,
-            origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
+            ahead: [0, 1, 2].map(|axis| lanes.splat(ray.origin[axis] * inverse[axis])),
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
             near: [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis }),
             turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
@@ -101,7 +102,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     fn at(&self, planes: &Planes, plane: usize, axis: usize) -> L::Numbers {
         let l = self.lanes;
-        l.mul(l.sub(l.load(&planes[plane]), self.origin[axis]), self.inverse[axis])
+        l.mul_sub(l.load(&planes[plane]), self.inverse[axis], self.ahead[axis])
     }
 
     /// A corner of eight triangles in the ray's own coordinates.
@@ -224,7 +225,7 @@ impl Growing {
 impl Tree {
     /// One visit of a node or a block on the ray's way. Where the way goes on, near children first as a rule; `None` at its end.
     #[inline(always)]
-    fn visit<L: Lanes>(
+    fn visit<const BRANCHLESS: bool, L: Lanes>(
         &self,
         beam: &Beam<L>,
         at: u32,
@@ -238,11 +239,32 @@ impl Tree {
         } else {
             let node = &self.nodes[at as usize];
             let (mask, enter) = beam.enters(&node.planes, *limit);
-            let count = l.bits(mask).count_ones() as usize;
-            if count > 0 {
-                let (enters, children) = l.descending(enter, mask, &node.children);
-                stack.push(count - 1, &enters, &children);
-                return Some(children[count - 1]);
+            let mut bits = l.bits(mask);
+            if BRANCHLESS {
+                let count = bits.count_ones() as usize;
+                if count > 0 {
+                    let (enters, children) = l.descending(enter, mask, &node.children);
+                    stack.push(count - 1, &enters, &children);
+                    return Some(children[count - 1]);
+                }
+            } else if bits != 0 {
+                let enter = l.store(enter);
+                let mut take = || {
+                    let k = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    ((enter[k & 7], node.children[k & 7]), bits == 0)
+                };
+                let (mut nearest, mut last) = take();
+                let bottom = stack.len();
+                while !last {
+                    let mut entry;
+                    (entry, last) = take();
+                    if entry.0 < nearest.0 {
+                        std::mem::swap(&mut entry, &mut nearest);
+                    }
+                    stack.insert(bottom, entry);
+                }
+                return Some(nearest.1);
             }
         }
         stack.pop(*limit)
@@ -253,7 +275,7 @@ impl Tree {
         stack.clear();
         let mut at = (!self.nodes.is_empty()).then_some(0);
         while let Some(here) = at {
-            at = self.visit(beam, here, &mut limit, stack, &mut visit);
+            at = self.visit::<false, _>(beam, here, &mut limit, stack, &mut visit);
         }
     }
 
@@ -282,20 +304,20 @@ impl Tree {
         if self.nodes.is_empty() {
             return;
         }
-        let mut waiting = 0..rays.len();
-        let mut take = |stack: &mut Stack, best: &[Option<Hit>]| {
-            stack.clear();
-            let number = waiting.next()?;
-            Some(Flight { number, beam: Beam::new(lanes, rays[number].as_ray()), at: 0, limit: limit(&best[number]) })
+        let start = |number: usize, best: &[Option<Hit>]| {
+            let beam = Beam::new(lanes, rays[number].as_ray());
+            Flight { number, beam, at: 0, limit: limit(&best[number]) }
         };
-        let mut flights: [Option<Flight<L>>; FLYING] = std::array::from_fn(|k| take(&mut stacks[k], best));
-        let mut flying = true;
-        while flying {
-            flying = false;
-            for (flight, stack) in flights.iter_mut().zip(&mut *stacks) {
-                let Some(Flight { number, beam, at, limit }) = flight else { continue };
-                flying = true;
-                match self.visit(beam, *at, limit, stack, &mut First { triangles, best: &mut best[*number] }) {
+        let mut next = FLYING.min(rays.len());
+        let mut flying = next;
+        let mut flights: [Flight<L>; FLYING] = std::array::from_fn(|k| start(k.min(next - 1), best));
+        stacks.iter_mut().for_each(Stack::clear);
+        while flying > 0 {
+            let mut k = 0;
+            while k < flying {
+                let Flight { number, beam, at, limit } = &mut flights[k];
+                let mut first = First { triangles, best: &mut best[*number] };
+                match self.visit::<true, _>(beam, *at, limit, &mut stacks[k], &mut first) {
                     Some(next) => {
                         *at = next;
                         match next & BLOCK {
@@ -303,8 +325,19 @@ impl Tree {
                             _ => lanes.prefetch(&self.blocks[(next ^ BLOCK) as usize]),
                         }
                     }
-                    None => *flight = take(stack, best),
+                    None if next < rays.len() => {
+                        flights[k] = start(next, best);
+                        next += 1;
+                    }
+                    None => {
+                        // The last one takes its place.
+                        flying -= 1;
+                        flights.swap(k, flying);
+                        stacks.swap(k, flying);
+                        continue;
+                    }
                 }
+                k += 1;
             }
         }
     }
