@@ -85,13 +85,15 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
         let inverse = inverse(ray.direction);
+        let ahead = ray.origin * inverse;
         let [x, y, z] = ray.axes;
+        let near = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
         Beam {
             lanes,
             ray,
-            ahead: [0, 1, 2].map(|axis| lanes.splat(ray.origin[axis] * inverse[axis])),
+            ahead: [lanes.splat(ahead.x), lanes.splat(ahead.y), lanes.splat(ahead.z)],
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
-            near: [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis }),
+            near: [near(0), near(1), near(2)],
             turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
             shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
             zero: lanes.splat(0.0),
@@ -288,7 +290,7 @@ impl Tree {
         stack: &mut Stack,
         best: &mut Option<Hit<'t>>,
     ) {
-        self.walk(beam, limit(best), stack, First { triangles, best });
+        self.walk(beam, limit(best), stack, First { left: Left::new(beam.ray, triangles), triangles, best });
     }
 
     /// As [`nearest`](Self::nearest) for many rays, a few of them under way at once: while one waits for memory, others go on.
@@ -316,7 +318,7 @@ impl Tree {
             let mut k = 0;
             while k < flying {
                 let Flight { number, beam, at, limit } = &mut flights[k];
-                let mut first = First { triangles, best: &mut best[*number] };
+                let mut first = First { left: Left::new(beam.ray, triangles), triangles, best: &mut best[*number] };
                 match self.visit::<true, _>(beam, *at, limit, &mut stacks[k], &mut first) {
                     Some(next) => {
                         *at = next;
@@ -388,6 +390,7 @@ trait Visit {
 }
 
 struct First<'t, 'b> {
+    left: Left<'b>,
     triangles: &'t [Triangle],
     best: &'b mut Option<Hit<'t>>,
 }
@@ -397,11 +400,33 @@ impl Visit for First<'_, '_> {
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
         let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
         for hit in met.hits(block, self.triangles) {
-            if beam.ray.prefers(&hit, self.best) {
+            beam.lanes.prefetch(hit.triangle);
+            if beam.ray.prefers(&hit, self.best, self.left.differs_from(hit.triangle)) {
                 *self.best = Some(hit);
             }
         }
         limit(self.best)
+    }
+}
+
+/// The triangle that a ray leaves, if any, as seen from some triangles: among those it is told apart by its place alone, without
+/// fetching any.
+#[derive(Clone, Copy)]
+struct Left<'r> {
+    leaves: Option<&'r Triangle>,
+    among: bool,
+}
+
+impl<'r> Left<'r> {
+    #[inline(always)]
+    fn new(ray: &Ray<'r>, triangles: &[Triangle]) -> Left<'r> {
+        let among = |left: &Triangle| triangles.as_ptr_range().contains(&std::ptr::from_ref(left));
+        Left { leaves: ray.leaves, among: ray.leaves.is_some_and(among) }
+    }
+
+    #[inline(always)]
+    fn differs_from(self, met: &Triangle) -> bool {
+        self.leaves.is_none_or(|left| !std::ptr::eq(left, met) && (self.among || !left.is(met)))
     }
 }
 
@@ -415,7 +440,7 @@ impl Visit for Every<'_, '_> {
     #[inline(always)]
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
         let met = beam.meets(block, self.farthest);
-        self.found.extend(met.hits(block, self.triangles).filter(|hit| beam.ray.prefers(hit, &None)));
+        self.found.extend(met.hits(block, self.triangles).filter(|hit| beam.ray.prefers(hit, &None, beam.ray.leaves.is_none_or(|left| !left.is(hit.triangle)))));
         limit
     }
 }
