@@ -4,7 +4,7 @@ use crate::{
     lanes::Lanes,
     split::Effort,
     stack::Stack,
-    tree::{AsRay, Beam, FLYING, Tree},
+    tree::{Beam, Tree},
     triangle::{Hit, Triangle},
 };
 use glam::Vec3;
@@ -80,23 +80,6 @@ impl Body {
     #[inline(always)]
     pub(crate) fn nearest<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
         self.tree.nearest(&self.triangles, beam, stack, best);
-    }
-
-    /// As [`nearest`](Self::nearest), for many rays.
-    #[inline(always)]
-    pub(crate) fn nearest_each<'t, L: Lanes>(
-        &'t self,
-        lanes: L,
-        rays: &[impl AsRay],
-        stacks: &mut [Stack; FLYING],
-        best: &mut [Option<Hit<'t>>],
-    ) {
-        match crate::tree::dev() {
-            1 => for (ray, best) in rays.iter().zip(best) { self.tree.nearest(&self.triangles, &Beam::new(lanes, ray.as_ray()), &mut stacks[0], best); },
-            2 => self.tree.nearest_each::<2, _, _>(&self.triangles, lanes, rays, stacks.first_chunk_mut().unwrap(), best),
-            3 => self.tree.nearest_each::<3, _, _>(&self.triangles, lanes, rays, stacks.first_chunk_mut().unwrap(), best),
-            _ => self.tree.nearest_each::<4, _, _>(&self.triangles, lanes, rays, stacks, best),
-        }
     }
 
     /// The box about it, padded; its low corner is above its high one if it is empty.

@@ -49,7 +49,7 @@ mod tests {
         let boxes = Boxes::new((0..11).map(|k| at(k as f32 * 2.0)).chain([[Vec3::new(4.0, 5.0, 5.0), Vec3::splat(6.0)]]));
         let visited = |ray: &Ray, limit: f32| -> Vec<usize> {
             let beam = Beam::new(Portable, ray);
-            let masks = boxes.eights().iter().map(|planes| beam.lanes.bits(beam.enters(planes, limit).0));
+            let masks = boxes.eights().iter().map(|planes| beam.enters(planes, limit).0);
             masks
                 .enumerate()
                 .flat_map(|(n, mask)| (0..LANES).filter(move |k| mask >> k & 1 != 0).map(move |k| n * LANES + k))

@@ -18,11 +18,10 @@ impl Collapse<'_> {
         let mut collapse = Collapse { branches, costs: vec![[0.0; LANES]; branches.len()] };
         for branch in (0..branches.len()).rev() {
             let area = branches[branch].bounds.area();
-            let leaf: f32 = { static D: std::sync::OnceLock<f32> = std::sync::OnceLock::new(); *D.get_or_init(|| std::env::var("LEAF").map_or(1.0, |d| d.parse().unwrap())) };
-            let mut costs = [area * leaf; LANES];
+            let mut costs = [area; LANES];
             if branches[branch].halves.is_some() {
                 let inner = area + collapse.shared_out(branch, LANES).0;
-                costs[0] = if collapse.is_block(branch) { area * leaf } else { inner };
+                costs[0] = if collapse.is_block(branch) { area } else { inner };
                 for places in 2..LANES {
                     costs[places - 1] = costs[places - 2].min(collapse.shared_out(branch, places).0);
                 }

@@ -1,6 +1,6 @@
 //! Eight numbers at once: AVX2 where the processor has it, plain arrays elsewhere, with the same bits.
 //!
-//! Both round every operation by itself; there is no fused multiply-add, which older machines would have to imitate.
+//! Both round every operation by itself, but for [`Lanes::mul_sub`], which is fused where it can be: only padded boxes are tested by it.
 //! What is written once over [`Lanes`] is compiled twice, and [`widest`] chooses when it runs.
 
 /// How many.
@@ -45,9 +45,6 @@ pub trait Lanes: Copy {
     fn but_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Bit k for number k.
     fn bits(self, a: Self::Mask) -> u32;
-    /// Numbers that are not negative, where the mask is set, from the largest to the smallest, each with its own label; what comes after
-    /// as many as are set is of no use. Numbers may come out smaller by up to seven units in the last place.
-    fn descending(self, x: Self::Numbers, mask: Self::Mask, labels: &[u32; LANES]) -> ([f32; LANES], [u32; LANES]);
     /// Asks for something that will soon be needed.
     fn prefetch<T>(self, what: &T);
 }
@@ -156,34 +153,18 @@ impl Lanes for Portable {
         a
     }
     #[inline(always)]
-    fn descending(self, x: [f32; LANES], mut mask: u32, labels: &[u32; LANES]) -> ([f32; LANES], [u32; LANES]) {
-        let (mut sorted, mut own, mut count) = ([0.0; LANES], [0; LANES], 0);
-        while mask != 0 {
-            let k = mask.trailing_zeros() as usize & 7;
-            mask &= mask - 1;
-            let mut place = count;
-            while place > 0 && sorted[place - 1] < x[k] {
-                (sorted[place], own[place]) = (sorted[place - 1], own[place - 1]);
-                place -= 1;
-            }
-            (sorted[place], own[place]) = (x[k], labels[k]);
-            count += 1;
-        }
-        (sorted, own)
-    }
-    #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
 }
 
 /// The same with intrinsics. They are unsafe to call outside of functions that are compiled for AVX2, which trait functions cannot be;
-/// an [`Avx2`](avx2::Avx2) proves that the processor has it.
+/// an [`Avx2`](avx2::Avx2) proves that the processor has it, and FMA.
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod avx2 {
     use super::{LANES, Lanes, Task};
     use std::arch::x86_64::*;
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma")]
     pub fn run<T: Task>(task: T) -> T::Output {
         task.run(Avx2(()))
     }
@@ -194,7 +175,7 @@ mod avx2 {
 
     macro_rules! intrinsic {
         ($call:expr) => {
-            // SAFETY: `self` was made in `run`, which may only be called where AVX2 is; loads and stores are of whole arrays, and
+            // SAFETY: `self` was made in `run`, which may only be called where AVX2 and FMA are; loads and stores are of whole arrays, and
             // what is prefetched lies within what is referred to.
             unsafe { $call }
         };
@@ -269,34 +250,6 @@ mod avx2 {
         #[inline(always)]
         fn bits(self, a: __m256) -> u32 {
             intrinsic!(_mm256_movemask_ps(a)) as u32
-        }
-        /// Batcher's bitonic network of six steps, without a branch. Bits of numbers that are not negative are in their order; the last three
-        /// make room for where a number came from, and those that are not wanted become negative.
-        #[inline(always)]
-        fn descending(self, x: __m256, mask: __m256, labels: &[u32; LANES]) -> ([f32; LANES], [u32; LANES]) {
-            macro_rules! step {
-                ($keys:expr, $other:expr, $larger:literal) => {{
-                    let (keys, other) = ($keys, $other);
-                    _mm256_blend_epi32::<$larger>(_mm256_min_epi32(keys, other), _mm256_max_epi32(keys, other))
-                }};
-            }
-            intrinsic!({
-                let from = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-                let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(x)), from);
-                let keys = _mm256_or_si256(keys, _mm256_xor_si256(_mm256_castps_si256(mask), _mm256_set1_epi32(-1)));
-                let keys = step!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b1001_1001);
-                let keys = step!(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys), 0b1100_0011);
-                let keys = step!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b1010_0101);
-                let keys = step!(keys, _mm256_permute2x128_si256::<1>(keys, keys), 0b0000_1111);
-                let keys = step!(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys), 0b0011_0011);
-                let keys = step!(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys), 0b0101_0101);
-                let (mut sorted, mut own) = ([0.0; LANES], [0; LANES]);
-                let numbers = _mm256_andnot_si256(_mm256_set1_epi32(7), keys);
-                _mm256_storeu_ps(sorted.as_mut_ptr(), _mm256_castsi256_ps(numbers));
-                let labels = _mm256_loadu_si256(labels.as_ptr().cast());
-                _mm256_storeu_si256(own.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(labels, keys));
-                (sorted, own)
-            })
         }
         #[inline(always)]
         fn prefetch<T>(self, what: &T) {

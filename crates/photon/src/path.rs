@@ -382,6 +382,14 @@ impl Outcome {
     pub fn new(lamps: usize, negative: bool) -> Outcome {
         Outcome { deposits: Vec::new(), tallies: vec![Tally::default(); lamps], rays: 0, negative }
     }
+
+    /// Nothing again.
+    pub fn clear(&mut self, lamps: usize) {
+        self.deposits.clear();
+        self.tallies.clear();
+        self.tallies.resize(lamps, Tally::default());
+        self.rays = 0;
+    }
 }
 
 impl Record for Outcome {

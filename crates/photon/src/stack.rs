@@ -1,12 +1,10 @@
 //! What a ray has yet to visit of a tree.
 
-use crate::lanes::LANES;
-
-/// Seven per level of the deepest tree, 32 levels of any split, 24 of halves, 24 of the exact splits of small branches, and room for
-/// storing eight at a time.
+/// Above 7 per level of the deepest tree: 32 levels of any split, 24 of halves, 24 of the exact splits of small branches.
 const SIZE: usize = 640;
 
-/// Children of nodes and where the ray enters them, in one place for all rays that come after one another.
+/// Children of nodes and where the ray enters them. One stack serves all rays of a thread: clearing five kilobytes for each would be a
+/// good part of what it takes to trace it.
 pub struct Stack {
     enters: [f32; SIZE],
     children: [u32; SIZE],
@@ -23,15 +21,6 @@ impl Stack {
     #[inline(always)]
     pub fn clear(&mut self) {
         self.len = 0;
-    }
-
-    /// Puts the first `count` of eight on top, the last of them topmost.
-    #[inline(always)]
-    pub fn push(&mut self, count: usize, enters: &[f32; LANES], children: &[u32; LANES]) {
-        let top = self.len;
-        self.enters[top..top + LANES].copy_from_slice(enters);
-        self.children[top..top + LANES].copy_from_slice(children);
-        self.len = top + count;
     }
 
     /// How many there are.
@@ -62,5 +51,29 @@ impl Stack {
                 return Some(self.children[self.len]);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_come_nearest_first_above_the_bottom() {
+        let mut stack = Stack::new();
+        stack.insert(0, (0.5, 9));
+        for (n, enter) in [3.0, 1.0, 2.0, 2.0, 4.0].into_iter().enumerate() {
+            stack.insert(1, (enter, n as u32));
+        }
+        let order: Vec<u32> = std::iter::from_fn(|| stack.pop(3.5)).collect();
+        assert_eq!([order[0], order[3], order[4]], [1, 0, 9], "the farthest is beyond the limit");
+        assert!(order.len() == 5 && stack.pop(3.5).is_none());
+    }
+
+    #[test]
+    #[should_panic]
+    fn it_never_overflows_silently() {
+        let mut stack = Stack::new();
+        (0..=SIZE).for_each(|n| stack.insert(n, (0.0, 0)));
     }
 }

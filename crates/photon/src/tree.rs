@@ -100,7 +100,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
         }
     }
 
-    /// Where the ray crosses eight planes.
+    /// Where the ray crosses eight planes: rounded otherwise on other machines, by less than boxes are padded.
     #[inline(always)]
     fn at(&self, planes: &Planes, plane: usize, axis: usize) -> L::Numbers {
         let l = self.lanes;
@@ -128,13 +128,13 @@ impl<'r, L: Lanes> Beam<'r, L> {
 
     /// Which of eight boxes the ray enters within `limit`, and where.
     #[inline(always)]
-    pub fn enters(&self, planes: &Planes, limit: f32) -> (L::Mask, L::Numbers) {
+    pub fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
         let l = self.lanes;
         let [nx, ny, nz] = self.near;
         let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), self.zero));
         let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
         let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
-        (l.at_most(enter, leave), enter)
+        (l.bits(l.at_most(enter, leave)), enter)
     }
 
     /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
@@ -225,59 +225,43 @@ impl Growing {
 }
 
 impl Tree {
-    /// One visit of a node or a block on the ray's way. Where the way goes on, near children first as a rule; `None` at its end.
-    #[inline(always)]
-    fn visit<const BRANCHLESS: bool, L: Lanes>(
-        &self,
-        beam: &Beam<L>,
-        at: u32,
-        limit: &mut f32,
-        stack: &mut Stack,
-        visit: &mut impl Visit,
-    ) -> Option<u32> {
-        let l = beam.lanes;
-        if at & BLOCK != 0 {
-            *limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], *limit);
-        } else {
-            let node = &self.nodes[at as usize];
-            let (mask, enter) = beam.enters(&node.planes, *limit);
-            let mut bits = l.bits(mask);
-            if BRANCHLESS {
-                let count = bits.count_ones() as usize;
-                if count > 0 {
-                    let (enters, children) = l.descending(enter, mask, &node.children);
-                    stack.push(count - 1, &enters, &children);
-                    return Some(children[count - 1]);
-                }
-            } else if bits != 0 {
-                let enter = l.store(enter);
-                let mut take = || {
-                    let k = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    ((enter[k & 7], node.children[k & 7]), bits == 0)
-                };
-                let (mut nearest, mut last) = take();
-                let bottom = stack.len();
-                while !last {
-                    let mut entry;
-                    (entry, last) = take();
-                    if entry.0 < nearest.0 {
-                        std::mem::swap(&mut entry, &mut nearest);
-                    }
-                    stack.insert(bottom, entry);
-                }
-                return Some(nearest.1);
-            }
-        }
-        stack.pop(*limit)
-    }
-
+    /// Calls `visit` with every block that the ray may meet within its limit, near ones first as a rule; `visit` returns the new limit.
     #[inline(always)]
     fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, stack: &mut Stack, mut visit: impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
         stack.clear();
-        let mut at = (!self.nodes.is_empty()).then_some(0);
-        while let Some(here) = at {
-            at = self.visit::<false, _>(beam, here, &mut limit, stack, &mut visit);
+        let mut at = 0u32;
+        loop {
+            if at & BLOCK != 0 {
+                limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], limit);
+            } else {
+                let node = &self.nodes[at as usize];
+                let (mut mask, enter) = beam.enters(&node.planes, limit);
+                if mask != 0 {
+                    let enter = beam.lanes.store(enter);
+                    let mut take = || {
+                        let k = mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        ((enter[k & 7], node.children[k & 7]), mask == 0)
+                    };
+                    let (mut nearest, mut last) = take();
+                    let bottom = stack.len();
+                    while !last {
+                        let mut entry;
+                        (entry, last) = take();
+                        if entry.0 < nearest.0 {
+                            std::mem::swap(&mut entry, &mut nearest);
+                        }
+                        stack.insert(bottom, entry);
+                    }
+                    at = nearest.1;
+                    continue;
+                }
+            }
+            let Some(next) = stack.pop(limit) else { return };
+            at = next;
         }
     }
 
@@ -293,57 +277,6 @@ impl Tree {
         self.walk(beam, limit(best), stack, First { left: Left::new(beam.ray, triangles), triangles, best });
     }
 
-    /// As [`nearest`](Self::nearest) for many rays, a few of them under way at once: while one waits for memory, others go on.
-    #[inline(always)]
-    pub fn nearest_each<'t, const FLYING: usize, R: AsRay, L: Lanes>(
-        &self,
-        triangles: &'t [Triangle],
-        lanes: L,
-        rays: &[R],
-        stacks: &mut [Stack; FLYING],
-        best: &mut [Option<Hit<'t>>],
-    ) {
-        if self.nodes.is_empty() {
-            return;
-        }
-        let start = |number: usize, best: &[Option<Hit>]| {
-            let beam = Beam::new(lanes, rays[number].as_ray());
-            Flight { number, beam, at: 0, limit: limit(&best[number]) }
-        };
-        let mut next = FLYING.min(rays.len());
-        let mut flying = next;
-        let mut flights: [Flight<L>; FLYING] = std::array::from_fn(|k| start(k.min(next - 1), best));
-        stacks.iter_mut().for_each(Stack::clear);
-        while flying > 0 {
-            let mut k = 0;
-            while k < flying {
-                let Flight { number, beam, at, limit } = &mut flights[k];
-                let mut first = First { left: Left::new(beam.ray, triangles), triangles, best: &mut best[*number] };
-                match self.visit::<true, _>(beam, *at, limit, &mut stacks[k], &mut first) {
-                    Some(next) => {
-                        *at = next;
-                        match next & BLOCK {
-                            0 => lanes.prefetch(&self.nodes[next as usize]),
-                            _ => lanes.prefetch(&self.blocks[(next ^ BLOCK) as usize]),
-                        }
-                    }
-                    None if next < rays.len() => {
-                        flights[k] = start(next, best);
-                        next += 1;
-                    }
-                    None => {
-                        // The last one takes its place.
-                        flying -= 1;
-                        flights.swap(k, flying);
-                        stacks.swap(k, flying);
-                        continue;
-                    }
-                }
-                k += 1;
-            }
-        }
-    }
-
     /// All that the ray meets within `farthest`.
     #[inline(always)]
     pub fn all<'t, L: Lanes>(
@@ -356,31 +289,6 @@ impl Tree {
     ) {
         self.walk(beam, farthest * SLACK, stack, Every { triangles, farthest, found });
     }
-}
-
-/// How many rays are under way at once. More: more waits for memory overlap; fewer: more of what they need stays in registers and caches.
-pub const FLYING: usize = 4;
-/// DEV
-pub fn dev() -> usize { static D: std::sync::OnceLock<usize> = std::sync::OnceLock::new(); *D.get_or_init(|| std::env::var("DEV").map_or(4, |d| d.parse().unwrap())) }
-
-/// What holds a ray.
-pub trait AsRay {
-    /// The ray.
-    fn as_ray(&self) -> &Ray<'_>;
-}
-
-impl AsRay for Ray<'_> {
-    fn as_ray(&self) -> &Ray<'_> {
-        self
-    }
-}
-
-/// A ray on its way through a tree.
-struct Flight<'r, L: Lanes> {
-    number: usize,
-    beam: Beam<'r, L>,
-    at: u32,
-    limit: f32,
 }
 
 /// What is done with the blocks on a ray's way.
@@ -400,6 +308,7 @@ impl Visit for First<'_, '_> {
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
         let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
         for hit in met.hits(block, self.triangles) {
+            // The photon will soon ask for it.
             beam.lanes.prefetch(hit.triangle);
             if beam.ray.prefers(&hit, self.best, self.left.differs_from(hit.triangle)) {
                 *self.best = Some(hit);
@@ -440,7 +349,10 @@ impl Visit for Every<'_, '_> {
     #[inline(always)]
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
         let met = beam.meets(block, self.farthest);
-        self.found.extend(met.hits(block, self.triangles).filter(|hit| beam.ray.prefers(hit, &None, beam.ray.leaves.is_none_or(|left| !left.is(hit.triangle)))));
+        self.found.extend(
+            met.hits(block, self.triangles)
+                .filter(|hit| beam.ray.prefers(hit, &None, beam.ray.leaves.is_none_or(|left| !left.is(hit.triangle)))),
+        );
         limit
     }
 }

@@ -11,7 +11,7 @@ use crate::{
     lanes::{LANES, Lanes, Task, widest},
     sampling::uniform_sphere,
     stack::Stack,
-    tree::{AsRay, Beam, FLYING, limit},
+    tree::{Beam, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
@@ -53,15 +53,14 @@ impl Crowd {
 
     /// The nearest of `best` and these objects.
     pub fn nearest<'t>(&'t self, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        STACKS.with_borrow_mut(|[stack, ..]| widest(Nearest { ray, crowd: self, still: None, best, stack }))
+        STACK.with_borrow_mut(|stack| widest(Nearest { ray, crowd: self, still: None, best, stack }))
     }
 
     /// Makes `best` the nearest of itself and these objects, each behind its box.
     #[inline(always)]
     fn meet<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
         for (planes, placed) in self.boxes.eights().iter().zip(self.placed.chunks(LANES)) {
-            let (mask, enter) = beam.enters(planes, limit(best));
-            let mut mask = beam.lanes.bits(mask);
+            let (mut mask, enter) = beam.enters(planes, limit(best));
             if mask == 0 {
                 continue;
             }
@@ -79,7 +78,7 @@ impl Crowd {
 
 thread_local! {
     /// Of the rays that a thread traces.
-    pub(crate) static STACKS: RefCell<[Stack; FLYING]> = const { RefCell::new([const { Stack::new() }; FLYING]) };
+    pub(crate) static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) };
 }
 
 /// What the ray meets first of some bodies.
@@ -401,33 +400,19 @@ impl World {
     /// The first surface that a ray meets.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
         let (crowd, still) = (&self.crowd, Some(&*self.still.body));
-        STACKS.with_borrow_mut(|[stack, ..]| widest(Nearest { ray, crowd, still, best: None, stack }))
+        STACK.with_borrow_mut(|stack| widest(Nearest { ray, crowd, still, best: None, stack }))
     }
 
-    /// As [`nearest`](Self::nearest) for many rays at once, in much less time if there is much to fetch from memory.
+    /// The same inside a task.
     #[inline(always)]
-    pub(crate) fn nearest_each<'w, L: Lanes>(
-        &'w self,
-        lanes: L,
-        rays: &[impl AsRay],
-        stacks: &mut [Stack; FLYING],
-        met: &mut Vec<Option<Hit<'w>>>,
-    ) {
-        met.clear();
-        met.resize(rays.len(), None);
-        if !self.crowd.placed.is_empty() {
-            for (ray, best) in rays.iter().zip(&mut *met) {
-                self.crowd.meet(&Beam::new(lanes, ray.as_ray()), &mut stacks[0], best);
-            }
-        }
-        self.still.body.nearest_each(lanes, rays, stacks, met);
+    pub(crate) fn nearest_in<L: Lanes>(&self, lanes: L, ray: &Ray, stack: &mut Stack) -> Option<Hit<'_>> {
+        Nearest { ray, crowd: &self.crowd, still: Some(&self.still.body), best: None, stack }.run(lanes)
     }
 
     /// The same without the widest lanes of this machine.
     #[cfg(test)]
     pub(crate) fn nearest_portably(&self, ray: &Ray) -> Option<Hit<'_>> {
-        let (crowd, still) = (&self.crowd, Some(&*self.still.body));
-        Nearest { ray, crowd, still, best: None, stack: &mut Stack::new() }.run(crate::lanes::Portable)
+        self.nearest_in(crate::lanes::Portable, ray, &mut Stack::new())
     }
 
     /// What the ray meets at the distance of `hit`, but for rounding: surfaces that lie in one another. Which of them a photon meets is
@@ -438,7 +423,7 @@ impl World {
         let slack = 1e-6 * self.reach.metres;
         let bodies = self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.still.body]).collect();
         let farthest = hit.distance + slack;
-        let mut found = STACKS.with_borrow_mut(|[stack, ..]| widest(All { ray, bodies, farthest, stack }));
+        let mut found = STACK.with_borrow_mut(|stack| widest(All { ray, bodies, farthest, stack }));
         found.retain(|other| {
             !other.triangle.is(hit.triangle)
                 && other.distance >= hit.distance - slack
