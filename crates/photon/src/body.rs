@@ -3,10 +3,12 @@
 use crate::{
     lanes::Lanes,
     split::Effort,
+    stack::Stack,
     tree::{Beam, Tree},
     triangle::{Hit, Triangle},
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// How much time a tree's build may take, for faster rays. The result of tracing is the same to the bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,7 +56,7 @@ impl Reach {
 /// Triangles and their tree.
 pub struct Body {
     /// In the order of the tree's leaves.
-    triangles: Vec<Triangle>,
+    triangles: Arc<[Triangle]>,
     tree: Tree,
     bounds: [Vec3; 2],
 }
@@ -62,12 +64,16 @@ pub struct Body {
 impl Body {
     /// Builds the tree. Empty bodies are allowed and are never met.
     pub fn new(mut triangles: Vec<Triangle>, reach: Reach, preset: TreePreset) -> Body {
-        let corners = || triangles.iter().flat_map(|t| t.corners);
-        let low = corners().fold(Vec3::INFINITY, Vec3::min);
-        let high = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
-        let padding = reach.padding(low.abs().max(high.abs()).max_element());
+        let (bounds, padding) = padded(triangles.iter(), reach);
         let tree = Tree::new(&mut triangles, padding, preset.effort());
-        Body { triangles, tree, bounds: [low - padding, high + padding] }
+        Body { triangles: triangles.into(), tree, bounds }
+    }
+
+    /// The body in which only triangles of some objects are left, in a hundredth of the time of a build.
+    pub fn reduced(&self, stays: impl Fn(usize) -> bool, reach: Reach) -> Body {
+        let gone = |t: usize| self.triangles.get(t).is_some_and(|triangle| !stays(triangle.object()));
+        let (bounds, _) = padded(self.triangles.iter().filter(|triangle| stays(triangle.object())), reach);
+        Body { triangles: self.triangles.clone(), tree: self.tree.without(gone), bounds }
     }
 
     /// In the order of the tree's leaves.
@@ -77,8 +83,8 @@ impl Body {
 
     /// Makes `best` the nearest of itself and what the ray meets here.
     #[inline(always)]
-    pub(crate) fn nearest<'t, L: Lanes>(&'t self, beam: &Beam<L>, best: &mut Option<Hit<'t>>) {
-        self.tree.nearest(&self.triangles, beam, best);
+    pub(crate) fn nearest<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
+        self.tree.nearest(&self.triangles, beam, stack, best);
     }
 
     /// The box about it, padded; its low corner is above its high one if it is empty.
@@ -87,7 +93,16 @@ impl Body {
     }
 
     /// All triangles that the ray meets within `farthest`, in any order.
-    pub(crate) fn meet_all<'t, L: Lanes>(&'t self, beam: &Beam<L>, farthest: f32, found: &mut Vec<Hit<'t>>) {
-        self.tree.all(&self.triangles, beam, farthest, found);
+    #[inline(always)]
+    pub(crate) fn meet_all<'t, L: Lanes>(&'t self, beam: &Beam<L>, farthest: f32, stack: &mut Stack, found: &mut Vec<Hit<'t>>) {
+        self.tree.all(&self.triangles, beam, farthest, stack, found);
     }
+}
+
+/// The box about some triangles, padded, and by how much.
+fn padded<'t>(triangles: impl Iterator<Item = &'t Triangle>, reach: Reach) -> ([Vec3; 2], f32) {
+    let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = triangles.flat_map(|t| t.corners).fold(none, |[low, high], p| [low.min(p), high.max(p)]);
+    let padding = reach.padding(low.abs().max(high.abs()).max_element());
+    ([low - padding, high + padding], padding)
 }

@@ -61,7 +61,7 @@ impl LampChoice {
     }
 
     /// The lamp for a random number, and the number remapped to [0, 1) (Shirley, Wang, Zimmerman 1996, Fig. 8). `None` in the dark.
-    #[inline]
+    #[inline(always)]
     pub fn choose(&self, u: f64) -> Option<(usize, f64)> {
         let scaled = u * self.lamp_of.len() as f64;
         let lamp = usize::from(*self.lamp_of.get(scaled as usize)?);

@@ -31,6 +31,8 @@ pub enum Scrambling {
 pub struct RadicalInverse {
     /// b^d, where d digits are looked up at once.
     step: u64,
+    /// ⌈2⁶⁴ / b^d⌉: multiplying by it divides (Granlund, Montgomery 1994), exactly as long as index · step < 2⁶⁴.
+    reciprocal: u64,
     /// For each run of d digits, what its value adds to the numerator.
     tables: Vec<Vec<u64>>,
     /// What all the runs from this one on add when they are zero.
@@ -77,29 +79,18 @@ impl RadicalInverse {
         for run in (0..tables.len()).rev() {
             rest[run] = rest[run + 1] + tables[run][0];
         }
-        RadicalInverse { step, tables, rest, denominator }
+        RadicalInverse { step, reciprocal: u64::MAX / step + 1, tables, rest, denominator }
     }
 
     /// m in Φ_b(i) = m / [`denominator`](Self::denominator).
-    #[inline]
-    pub fn numerator(&self, index: u64) -> u64 {
-        let mut sum = 0;
-        let mut run = 0;
-        // Dividing 32-bit numbers is several times faster, and nearly all indices are such.
-        if let Ok(mut index) = u32::try_from(index) {
-            let step = self.step as u32;
-            while index > 0 {
-                sum += self.tables[run][(index % step) as usize];
-                index /= step;
-                run += 1;
-            }
-        } else {
-            let mut index = index;
-            while index > 0 {
-                sum += self.tables[run][(index % self.step) as usize];
-                index /= self.step;
-                run += 1;
-            }
+    #[inline(always)]
+    pub fn numerator(&self, mut index: u64) -> u64 {
+        let (mut sum, mut run) = (0, 0);
+        while index > 0 {
+            let quotient = ((u128::from(index) * u128::from(self.reciprocal)) >> 64) as u64;
+            sum += self.tables[run][(index - quotient * self.step) as usize];
+            index = quotient;
+            run += 1;
         }
         sum + self.rest[run]
     }
@@ -110,9 +101,10 @@ impl RadicalInverse {
     }
 
     /// Φ_b(i), correctly rounded, in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn value(&self, index: u64) -> f64 {
-        self.numerator(index) as f64 / self.denominator as f64
+        // Below 2⁵³; converting signed numbers is one instruction.
+        self.numerator(index) as i64 as f64 / self.denominator as i64 as f64
     }
 }
 
@@ -168,7 +160,7 @@ impl Sequence {
     }
 
     /// Number `dimension` of photon `index`, in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn value(&self, index: u64, dimension: usize) -> f64 {
         let copy = &self.copies[(index & ((1 << self.shift) - 1)) as usize];
         match copy.get(dimension) {

@@ -50,4 +50,5 @@ mod tree;
 pub mod triangle;
 pub mod vertex_irradiance;
 pub mod visible;
+pub mod wave;
 pub mod world;

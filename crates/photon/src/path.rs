@@ -92,6 +92,14 @@ impl Brought {
     }
 }
 
+/// What a photon takes along from a surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Survivor {
+    throughput: Vec3,
+    /// Its random number, remapped after the decision that it survives.
+    u: f64,
+}
+
 /// What happens to a photon, as it happens.
 pub trait Record {
     /// It meets a surface with the given throughput; `deposits` says whether the hit counts.
@@ -104,6 +112,7 @@ pub trait Record {
 
 impl<'w> Photon<'w> {
     /// Photon `index` as it leaves its lamp; `None` if there is no lamp.
+    #[inline(always)]
     pub(crate) fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
         let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
@@ -142,14 +151,21 @@ impl<'w> Photon<'w> {
         met: Option<Hit<'n>>,
         record: &mut impl Record,
     ) -> Option<Photon<'n>> {
+        let survivor = self.land(rules, world, &met, record)?;
+        met.map(|hit| self.leave(rules, world, &hit, survivor))
+    }
+
+    /// Arrives where its ray ends; `None` when its path does.
+    #[inline(always)]
+    pub(crate) fn land(&self, rules: &Rules, world: &World, met: &Option<Hit>, record: &mut impl Record) -> Option<Survivor> {
         let Some(hit) = met else {
             record.end(End::Escaped, self.throughput, self.lamp);
             return None;
         };
         let normal = hit.triangle.normal;
         let back = normal.dot(self.ray.direction) > 0.0;
-        record.hit(&hit, u8::from(back), self.throughput, self.lamp, self.brings().counts, world);
-        let reflectance = reflectance(world, &hit);
+        record.hit(hit, u8::from(back), self.throughput, self.lamp, self.brings().counts, world);
+        let reflectance = reflectance(world, hit);
         let survival = reflectance.max_element();
         let dimension = 2 + 2 * self.hits as usize;
         let u = rules.sequence.value(self.index.0, dimension);
@@ -162,16 +178,24 @@ impl<'w> Photon<'w> {
             record.end(End::Cut, throughput, self.lamp);
             return None;
         }
-        let u = (u / f64::from(survival)).min(1.0f64.next_down());
-        let v = rules.sequence.value(self.index.0, dimension + 1);
-        let direction = cosine_hemisphere(if back { -normal } else { normal }, u, v);
+        Some(Survivor { throughput, u: (u / f64::from(survival)).min(1.0f64.next_down()) })
+    }
+
+    /// Leaves the surface that it met.
+    #[inline(always)]
+    pub(crate) fn leave<'n>(&self, rules: &Rules, world: &World, hit: &Hit<'n>, survivor: Survivor) -> Photon<'n> {
+        let normal = hit.triangle.normal;
+        let facing = if normal.dot(self.ray.direction) > 0.0 { -normal } else { normal };
+        let v = rules.sequence.value(self.index.0, 3 + 2 * self.hits as usize);
+        let direction = cosine_hemisphere(facing, survivor.u, v);
         let step_back = world.reach().step_back();
-        let ray = Ray::new(self.origin_before(&hit, normal, step_back), direction, Some(hit.triangle), step_back);
-        Some(Photon { hits: self.hits + 1, throughput, ray, ..self })
+        let ray = Ray::new(self.origin_before(hit, normal, step_back), direction, Some(hit.triangle), step_back);
+        Photon { hits: self.hits + 1, throughput: survivor.throughput, ray, ..*self }
     }
 
     /// A point just before the hit, on the ray itself: unlike a step along the normal it cannot pass another surface, however acute
     /// the corner. It stands `step_back` above the surface, nearer only where the ray is grazing or the way was short.
+    #[inline(always)]
     fn origin_before(&self, hit: &Hit, normal: Vec3, step_back: f32) -> Vec3 {
         let unit = self.ray.direction.normalize();
         let way = hit.distance * self.ray.direction.length();
@@ -194,6 +218,7 @@ impl<'w> Photon<'w> {
 }
 
 /// Reflectance of the surface at a hit, per channel.
+#[inline(always)]
 pub fn reflectance(world: &World, hit: &Hit) -> Vec3 {
     let object = world.object(hit.triangle.object());
     let t = hit.triangle.in_mesh();
@@ -388,30 +413,42 @@ impl Outcome {
     }
 
     /// Adds a deposit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn deposit(&mut self, to: Address, throughput: Vec3) {
         self.deposits.push(Deposit { to, negative: self.negative, energy: energy(throughput) });
+    }
+
+    /// Nothing again.
+    pub fn clear(&mut self, lamps: usize) {
+        self.deposits.clear();
+        self.tallies.clear();
+        self.tallies.resize(lamps, Tally::default());
+        self.rays = 0;
     }
 }
 
 impl Record for Outcome {
-    #[inline]
+    #[inline(always)]
     fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
         if deposits {
             self.deposit(Address { object: hit.triangle.object() as u32, cell: cell(world, hit), side, lamp }, throughput);
         }
     }
 
+    #[inline(always)]
     fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
         let sign = if self.negative { -1 } else { 1 };
-        let energy = energy(throughput).map(|e| sign * i64::from(e));
-        let mut tally = Tally::default();
-        match end {
-            End::Absorbed => tally.absorbed = sign,
-            End::Escaped => (tally.escaped, tally.escaped_energy) = (sign, energy),
-            End::Cut => (tally.cut, tally.cut_energy) = (sign, energy),
-        }
-        self.tallies[usize::from(lamp)].add(&tally);
+        let tally = &mut self.tallies[usize::from(lamp)];
+        let (count, sum) = match end {
+            End::Absorbed => {
+                tally.absorbed += sign;
+                return;
+            }
+            End::Escaped => (&mut tally.escaped, &mut tally.escaped_energy),
+            End::Cut => (&mut tally.cut, &mut tally.cut_energy),
+        };
+        *count += sign;
+        sum.iter_mut().zip(energy(throughput)).for_each(|(sum, energy)| *sum += sign * i64::from(energy));
     }
 
     fn ray(&mut self) {
@@ -420,7 +457,7 @@ impl Record for Outcome {
 }
 
 /// The mesh element at a hit.
-#[inline]
+#[inline(always)]
 pub fn cell(world: &World, hit: &Hit) -> u32 {
     let lattice = &world.object(hit.triangle.object()).lattice;
     lattice.cell(hit.triangle.in_mesh(), hit.weights[1], hit.weights[2])

@@ -5,6 +5,7 @@ use lightmend_scene::trig::sin_cos;
 use std::f64::consts::TAU;
 
 /// A direction about `normal` with density cos θ / π, of unit length to rounding. `u`, `v` in [0, 1).
+#[inline(always)]
 pub fn cosine_hemisphere(normal: Vec3, u: f64, v: f64) -> Vec3 {
     let (sine, cosine) = sin_cos(TAU * v);
     let radius = u.sqrt();
@@ -14,6 +15,7 @@ pub fn cosine_hemisphere(normal: Vec3, u: f64, v: f64) -> Vec3 {
 }
 
 /// Two unit vectors that make a right-handed frame with `normal` (Duff et al. 2017).
+#[inline(always)]
 pub fn orthonormal(normal: Vec3) -> (Vec3, Vec3) {
     let sign = 1f32.copysign(normal.z);
     let a = -1.0 / (sign + normal.z);
@@ -25,6 +27,7 @@ pub fn orthonormal(normal: Vec3) -> (Vec3, Vec3) {
 }
 
 /// A direction uniform over the sphere, unit. `u` chooses the height, downwards as it grows; `v` the azimuth.
+#[inline(always)]
 pub fn uniform_sphere(u: f64, v: f64) -> glam::DVec3 {
     let (sine, cosine) = sin_cos(TAU * v);
     let z = 1.0 - 2.0 * u;

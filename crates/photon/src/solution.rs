@@ -13,10 +13,11 @@ use crate::{
     bucket::Buckets,
     first_segment::FirstSegments,
     hash::shuffle,
-    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace, trace_both},
+    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
     saved::Saved,
     visible::Frustum,
+    wave::trace_each,
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -447,6 +448,17 @@ pub struct Shooting {
     tallies: Vec<Tally>,
     /// Work so far.
     pub work: Work,
+    spare: Spare,
+}
+
+/// What classes of photons left behind in the last slab, empty: its memory serves the next one.
+#[derive(Default)]
+struct Spare(Vec<Outcome>);
+
+impl Clone for Spare {
+    fn clone(&self) -> Spare {
+        Spare::default()
+    }
 }
 
 impl Shooting {
@@ -454,7 +466,7 @@ impl Shooting {
     pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
         let buckets = Buckets::new(world.configuration());
         let tallies = vec![Tally::default(); world.configuration().lamp_slots()];
-        Shooting { rules, world, buckets, tallies, work: Work::default() }
+        Shooting { rules, world, buckets, tallies, work: Work::default(), spare: Spare::default() }
     }
 
     /// Photons shot so far; their indices are the first ones.
@@ -493,26 +505,26 @@ impl Shooting {
             self.work.photons += count;
             return;
         }
-        let outcomes: Vec<Outcome> = (0..CLASSES).into_par_iter().map(|class| self.trace_class(indices.clone(), class)).collect();
-        for outcome in outcomes {
+        let mut spare = std::mem::take(&mut self.spare);
+        spare.0.resize_with(CLASSES as usize, || Outcome::new(0, false));
+        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| self.trace_class(indices.clone(), class as u64, outcome));
+        for outcome in &spare.0 {
             self.buckets.add(&outcome.deposits);
             self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
             self.work.rays += outcome.rays;
         }
+        self.spare = spare;
         self.work.photons += count;
     }
 
-    fn trace_class(&self, indices: Range<u64>, class: u64) -> Outcome {
-        let mut outcome = Outcome::new(self.tallies.len(), false);
-        for index in in_class(indices, class, self.rules.sequence.copies()) {
-            trace(&self.rules, &self.world, index, &mut outcome);
-        }
-        outcome
+    fn trace_class(&self, indices: Range<u64>, class: u64, outcome: &mut Outcome) {
+        outcome.clear(self.tallies.len());
+        trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), outcome);
     }
 
     /// Light that came about otherwise: what a whole pool brought.
     pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
-        Shooting { rules, world, buckets, tallies, work }
+        Shooting { rules, world, buckets, tallies, work, spare: Spare::default() }
     }
 }
 

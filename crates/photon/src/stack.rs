@@ -1,66 +1,56 @@
 //! What a ray has yet to visit of a tree.
 
-use std::mem::MaybeUninit;
-
 /// Above 7 per level of the deepest tree: 32 levels of any split, 24 of halves, 24 of the exact splits of small branches.
 const SIZE: usize = 640;
 
-/// Where the ray enters a child, and which child.
-pub type Entry = (f32, u32);
-
-/// A stack that is not cleared when it is made: that would be five kilobytes a ray, by estimate half of what tracing it takes.
+/// Children of nodes and where the ray enters them. One stack serves all rays of a thread: clearing five kilobytes for each would be a
+/// good part of what it takes to trace it.
 pub struct Stack {
-    entries: [MaybeUninit<Entry>; SIZE],
+    enters: [f32; SIZE],
+    children: [u32; SIZE],
     len: usize,
 }
 
 impl Stack {
     /// An empty one.
-    #[inline(always)]
-    pub fn new() -> Stack {
-        Stack { entries: [const { MaybeUninit::uninit() }; SIZE], len: 0 }
+    pub const fn new() -> Stack {
+        Stack { enters: [0.0; SIZE], children: [0; SIZE], len: 0 }
     }
 
-    /// How many entries there are.
+    /// Nothing is left to visit.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// How many there are.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
     }
 
+    /// Puts one in its place among those from `bottom` on, the nearest on top.
     #[inline(always)]
-    #[allow(unsafe_code)]
-    fn get(&self, n: usize) -> Entry {
-        debug_assert!(n < self.len);
-        // SAFETY: private, and called for n < len alone; entries below len have been written.
-        unsafe { self.entries[n].assume_init() }
-    }
-
-    /// Puts an entry in its place among those from `bottom` on, the nearest on top.
-    #[inline(always)]
-    pub fn insert(&mut self, bottom: usize, entry: Entry) {
+    pub fn insert(&mut self, bottom: usize, (enter, child): (f32, u32)) {
         let mut place = self.len;
-        self.entries[place].write(entry);
         self.len += 1;
-        while place > bottom {
-            let below = self.get(place - 1);
-            if below.0 >= entry.0 {
-                break;
-            }
-            self.entries[place].write(below);
+        while place > bottom && self.enters[place - 1] < enter {
+            self.enters[place] = self.enters[place - 1];
+            self.children[place] = self.children[place - 1];
             place -= 1;
         }
-        self.entries[place].write(entry);
+        (self.enters[place], self.children[place]) = (enter, child);
     }
 
-    /// The entry on top.
+    /// The topmost child that the ray enters within `limit`; those above it are dropped.
     #[inline(always)]
-    pub fn pop(&mut self) -> Option<Entry> {
-        if self.len == 0 {
-            return None;
+    pub fn pop(&mut self, limit: f32) -> Option<u32> {
+        loop {
+            self.len = self.len.checked_sub(1)?;
+            if self.enters[self.len] <= limit {
+                return Some(self.children[self.len]);
+            }
         }
-        let top = self.get(self.len - 1);
-        self.len -= 1;
-        Some(top)
     }
 }
 
@@ -75,9 +65,9 @@ mod tests {
         for (n, enter) in [3.0, 1.0, 2.0, 2.0, 4.0].into_iter().enumerate() {
             stack.insert(1, (enter, n as u32));
         }
-        let order: Vec<u32> = std::iter::from_fn(|| stack.pop()).map(|entry| entry.1).collect();
-        assert_eq!([order[0], order[3], order[4], order[5]], [1, 0, 4, 9]);
-        assert!(stack.pop().is_none());
+        let order: Vec<u32> = std::iter::from_fn(|| stack.pop(3.5)).collect();
+        assert_eq!([order[0], order[3], order[4]], [1, 0, 9], "the farthest is beyond the limit");
+        assert!(order.len() == 5 && stack.pop(3.5).is_none());
     }
 
     #[test]

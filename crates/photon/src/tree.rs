@@ -12,6 +12,7 @@ use crate::{
     triangle::{Hit, Ray, Triangle},
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Eight boxes: low x, y, z, high x, y, z of each.
 pub type Planes = [[f32; LANES]; 6];
@@ -33,6 +34,7 @@ struct Node {
 }
 
 /// Up to eight triangles, five lines of cache.
+#[derive(Clone)]
 #[repr(align(64))]
 struct Block {
     /// Per corner and axis; not numbers where there is no triangle.
@@ -44,7 +46,7 @@ struct Block {
 /// The tree.
 #[derive(Default)]
 pub struct Tree {
-    nodes: Vec<Node>,
+    nodes: Arc<[Node]>,
     blocks: Vec<Block>,
 }
 
@@ -54,7 +56,8 @@ pub struct Beam<'r, L: Lanes> {
     pub lanes: L,
     /// The ray itself.
     pub ray: &'r Ray<'r>,
-    origin: [L::Numbers; 3],
+    /// Origin times `inverse`.
+    ahead: [L::Numbers; 3],
     inverse: [L::Numbers; 3],
     /// Which plane of a box is entered, per axis.
     near: [usize; 3],
@@ -82,24 +85,26 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
         let inverse = inverse(ray.direction);
+        let ahead = ray.origin * inverse;
         let [x, y, z] = ray.axes;
+        let near = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
         Beam {
             lanes,
             ray,
-            origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
+            ahead: [lanes.splat(ahead.x), lanes.splat(ahead.y), lanes.splat(ahead.z)],
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
-            near: [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis + 3 } else { axis }),
+            near: [near(0), near(1), near(2)],
             turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
             shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
             zero: lanes.splat(0.0),
         }
     }
 
-    /// Where the ray crosses eight planes.
+    /// Where the ray crosses eight planes: rounded otherwise on other machines, by less than boxes are padded.
     #[inline(always)]
     fn at(&self, planes: &Planes, plane: usize, axis: usize) -> L::Numbers {
         let l = self.lanes;
-        l.mul(l.sub(l.load(&planes[plane]), self.origin[axis]), self.inverse[axis])
+        l.mul_sub(l.load(&planes[plane]), self.inverse[axis], self.ahead[axis])
     }
 
     /// A corner of eight triangles in the ray's own coordinates.
@@ -168,11 +173,31 @@ impl Tree {
         let (branches, order) = binary(&boxes, effort);
         *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
         let collapse = Collapse::new(&branches);
-        let mut tree = Tree::default();
-        tree.node(&collapse, &branches, 0, triangles);
-        tree
+        let mut growing = Growing::default();
+        growing.node(&collapse, &branches, 0, triangles);
+        Tree { nodes: growing.nodes.into(), blocks: growing.blocks }
     }
 
+    /// The tree in which triangles are gone: nodes are shared, boxes stay as large as they were.
+    pub fn without(&self, gone: impl Fn(usize) -> bool) -> Tree {
+        let mut blocks = self.blocks.clone();
+        for block in &mut blocks {
+            for k in (0..LANES).filter(|k| gone(block.first as usize + k)) {
+                block.corners.iter_mut().flatten().for_each(|numbers| numbers[k] = f32::NAN);
+            }
+        }
+        Tree { nodes: self.nodes.clone(), blocks }
+    }
+}
+
+/// A tree that is being built.
+#[derive(Default)]
+struct Growing {
+    nodes: Vec<Node>,
+    blocks: Vec<Block>,
+}
+
+impl Growing {
     fn node(&mut self, collapse: &Collapse, branches: &[Branch], branch: usize, triangles: &[Triangle]) -> u32 {
         let own = self.nodes.len();
         self.nodes.push(Node { planes: NO_BOXES, children: [BLOCK; LANES] });
@@ -197,14 +222,16 @@ impl Tree {
         }
         own as u32
     }
+}
 
+impl Tree {
     /// Calls `visit` with every block that the ray may meet within its limit, near ones first as a rule; `visit` returns the new limit.
     #[inline(always)]
-    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, mut visit: impl Visit) {
+    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, stack: &mut Stack, mut visit: impl Visit) {
         if self.nodes.is_empty() {
             return;
         }
-        let mut stack = Stack::new();
+        stack.clear();
         let mut at = 0u32;
         loop {
             if at & BLOCK != 0 {
@@ -233,26 +260,34 @@ impl Tree {
                     continue;
                 }
             }
-            loop {
-                let Some((enter, next)) = stack.pop() else { return };
-                if enter <= limit {
-                    at = next;
-                    break;
-                }
-            }
+            let Some(next) = stack.pop(limit) else { return };
+            at = next;
         }
     }
 
     /// Makes `best` the nearest of itself and what the ray meets here.
     #[inline(always)]
-    pub fn nearest<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, best: &mut Option<Hit<'t>>) {
-        self.walk(beam, limit(best), First { triangles, best });
+    pub fn nearest<'t, L: Lanes>(
+        &self,
+        triangles: &'t [Triangle],
+        beam: &Beam<L>,
+        stack: &mut Stack,
+        best: &mut Option<Hit<'t>>,
+    ) {
+        self.walk(beam, limit(best), stack, First { left: Left::new(beam.ray, triangles), triangles, best });
     }
 
     /// All that the ray meets within `farthest`.
     #[inline(always)]
-    pub fn all<'t, L: Lanes>(&self, triangles: &'t [Triangle], beam: &Beam<L>, farthest: f32, found: &mut Vec<Hit<'t>>) {
-        self.walk(beam, farthest * SLACK, Every { triangles, farthest, found });
+    pub fn all<'t, L: Lanes>(
+        &self,
+        triangles: &'t [Triangle],
+        beam: &Beam<L>,
+        farthest: f32,
+        stack: &mut Stack,
+        found: &mut Vec<Hit<'t>>,
+    ) {
+        self.walk(beam, farthest * SLACK, stack, Every { triangles, farthest, found });
     }
 }
 
@@ -263,6 +298,7 @@ trait Visit {
 }
 
 struct First<'t, 'b> {
+    left: Left<'b>,
     triangles: &'t [Triangle],
     best: &'b mut Option<Hit<'t>>,
 }
@@ -272,11 +308,34 @@ impl Visit for First<'_, '_> {
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
         let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
         for hit in met.hits(block, self.triangles) {
-            if beam.ray.prefers(&hit, self.best) {
+            // The photon will soon ask for it.
+            beam.lanes.prefetch(hit.triangle);
+            if beam.ray.prefers(&hit, self.best, self.left.differs_from(hit.triangle)) {
                 *self.best = Some(hit);
             }
         }
         limit(self.best)
+    }
+}
+
+/// The triangle that a ray leaves, if any, as seen from some triangles: among those it is told apart by its place alone, without
+/// fetching any.
+#[derive(Clone, Copy)]
+struct Left<'r> {
+    leaves: Option<&'r Triangle>,
+    among: bool,
+}
+
+impl<'r> Left<'r> {
+    #[inline(always)]
+    fn new(ray: &Ray<'r>, triangles: &[Triangle]) -> Left<'r> {
+        let among = |left: &Triangle| triangles.as_ptr_range().contains(&std::ptr::from_ref(left));
+        Left { leaves: ray.leaves, among: ray.leaves.is_some_and(among) }
+    }
+
+    #[inline(always)]
+    fn differs_from(self, met: &Triangle) -> bool {
+        self.leaves.is_none_or(|left| !std::ptr::eq(left, met) && (self.among || !left.is(met)))
     }
 }
 
@@ -290,7 +349,10 @@ impl Visit for Every<'_, '_> {
     #[inline(always)]
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
         let met = beam.meets(block, self.farthest);
-        self.found.extend(met.hits(block, self.triangles).filter(|hit| beam.ray.prefers(hit, &None)));
+        self.found.extend(
+            met.hits(block, self.triangles)
+                .filter(|hit| beam.ray.prefers(hit, &None, beam.ray.leaves.is_none_or(|left| !left.is(hit.triangle)))),
+        );
         limit
     }
 }

@@ -90,6 +90,7 @@ pub struct Hit<'a> {
 
 impl<'a> Ray<'a> {
     /// A ray that leaves `leaves`, or starts in free space.
+    #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3, leaves: Option<&'a Triangle>, near: f32) -> Ray<'a> {
         // Adding zero turns -0 into 0: boxes and triangles then agree on the octant.
         let direction = direction + Vec3::ZERO;
@@ -130,19 +131,20 @@ impl<'a> Ray<'a> {
             return None;
         }
         let hit = Hit { distance, weights, triangle };
-        self.prefers(&hit, best).then_some(hit)
+        self.prefers(&hit, best, self.leaves.is_none_or(|left| !left.is(triangle))).then_some(hit)
     }
 
-    /// Whether a hit is nearer than `best`, or as near and smaller order, and not on the surface that the ray leaves.
+    /// Whether a hit is nearer than `best`, or as near and smaller order, and not on the surface that the ray leaves; `another` says that
+    /// it is another triangle.
     #[inline(always)]
-    pub(crate) fn prefers(&self, hit: &Hit, best: &Option<Hit>) -> bool {
+    pub(crate) fn prefers(&self, hit: &Hit, best: &Option<Hit>, another: bool) -> bool {
         let Hit { distance, triangle, .. } = *hit;
         if let Some(best) = best
             && (distance > best.distance || (distance == best.distance && triangle.order() >= best.triangle.order()))
         {
             return false;
         }
-        self.leaves.is_none_or(|left| !left.is(triangle) && (distance >= self.near || !self.leaves_plane_of(left, triangle)))
+        another && self.leaves.is_none_or(|left| distance >= self.near || !self.leaves_plane_of(left, triangle))
     }
 
     /// Whether a triangle met at almost no distance is only a continuation of the surface that the ray leaves.

@@ -1,4 +1,7 @@
-//! A configuration as rays see it: bodies with trees, and lamps with frames. Immutable; a move replaces one body.
+//! A configuration as rays see it: bodies with trees, and lamps with frames. Immutable.
+//!
+//! All that stands where it stood at first is in one tree. What moves is taken out of it, which leaves a hole, and gets a tree of its
+//! own that every further move replaces.
 
 use crate::{
     body::{Body, Reach, TreePreset},
@@ -7,12 +10,16 @@ use crate::{
     hash::of_name,
     lanes::{LANES, Lanes, Task, widest},
     sampling::uniform_sphere,
+    stack::Stack,
     tree::{Beam, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
 use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation};
-use std::sync::Arc;
+use std::{
+    cell::RefCell,
+    sync::{Arc, OnceLock},
+};
 
 /// An object where it stands, with a tree of its own.
 pub(crate) struct Placed {
@@ -51,61 +58,55 @@ impl Crowd {
 
     /// The nearest of `best` and these objects.
     pub fn nearest<'t>(&'t self, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        widest(Nearest { ray, crowd: self, fixed: None, best })
+        STACK.with_borrow_mut(|stack| widest(Nearest { ray, crowd: self, still: None, best, stack }))
     }
+
+    /// Makes `best` the nearest of itself and these objects, each behind its box.
+    #[inline(always)]
+    fn meet<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
+        for (planes, placed) in self.boxes.eights().iter().zip(self.placed.chunks(LANES)) {
+            let (mut mask, enter) = beam.enters(planes, limit(best));
+            if mask == 0 {
+                continue;
+            }
+            let enter = beam.lanes.store(enter);
+            while mask != 0 {
+                let k = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                if enter[k] <= limit(best) {
+                    placed[k].body.nearest(beam, stack, best);
+                }
+            }
+        }
+    }
+}
+
+thread_local! {
+    /// Of the rays that a thread traces.
+    pub(crate) static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) };
 }
 
 /// What the ray meets first of some bodies.
 struct Nearest<'t, 'r> {
+    stack: &'r mut Stack,
     ray: &'r Ray<'r>,
     crowd: &'t Crowd,
-    fixed: Option<&'t Body>,
+    still: Option<&'t Body>,
     best: Option<Hit<'t>>,
 }
 
 impl<'t> Task for Nearest<'t, '_> {
     type Output = Option<Hit<'t>>;
 
-    /// Movables first, each behind its box, then what is fixed.
+    /// What moved first, each behind its box, then the rest.
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
-        let Nearest { ray, crowd, fixed, mut best } = self;
+        let Nearest { ray, crowd, still, mut best, stack } = self;
         let beam = Beam::new(lanes, ray);
-        for (n, planes) in crowd.boxes.eights().iter().enumerate() {
-            let placed = &crowd.placed[n * LANES..];
-            let (mut mask, enter) = beam.enters(planes, limit(&best));
-            if mask == 0 {
-                continue;
-            }
-            let enter = lanes.store(enter);
-            while mask != 0 {
-                let k = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                if enter[k] <= limit(&best) {
-                    placed[k].body.nearest(&beam, &mut best);
-                }
-            }
+        crowd.meet(&beam, stack, &mut best);
+        if let Some(body) = still {
+            body.nearest(&beam, stack, &mut best);
         }
-        if let Some(body) = fixed {
-            body.nearest(&beam, &mut best);
-        }
-        best
-    }
-}
-
-/// What the ray meets first of one body. Apart from [`Nearest`], so that where nothing moves no ray pays for the loop over what does.
-struct Alone<'t, 'r> {
-    ray: &'r Ray<'r>,
-    body: &'t Body,
-}
-
-impl<'t> Task for Alone<'t, '_> {
-    type Output = Option<Hit<'t>>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
-        let mut best = None;
-        self.body.nearest(&Beam::new(lanes, self.ray), &mut best);
         best
     }
 }
@@ -115,6 +116,7 @@ struct All<'t, 'r> {
     ray: &'r Ray<'r>,
     bodies: Vec<&'t Body>,
     farthest: f32,
+    stack: &'r mut Stack,
 }
 
 impl<'t> Task for All<'t, '_> {
@@ -124,7 +126,7 @@ impl<'t> Task for All<'t, '_> {
     fn run<L: Lanes>(self, lanes: L) -> Vec<Hit<'t>> {
         let (beam, mut found) = (Beam::new(lanes, self.ray), Vec::new());
         for body in self.bodies {
-            body.meet_all(&beam, self.farthest, &mut found);
+            body.meet_all(&beam, self.farthest, self.stack, &mut found);
         }
         found
     }
@@ -139,13 +141,68 @@ pub struct PlacedLamp {
     pub rotation: DMat3,
 }
 
+/// Objects in one tree.
+#[derive(Clone)]
+struct Still {
+    body: Arc<Body>,
+    /// In order of their numbers.
+    objects: Arc<[Standing]>,
+}
+
+/// An object of [`Still`].
+#[derive(Clone)]
+struct Standing {
+    id: usize,
+    mesh: Arc<Mesh>,
+    motion: Motion,
+    /// By itself, for when it is a phantom.
+    alone: Arc<OnceLock<Arc<Placed>>>,
+}
+
+impl Standing {
+    /// Whether it stands there, and so, in a configuration.
+    fn stands(&self, configuration: &Configuration) -> bool {
+        configuration.has_object(self.id)
+            && Arc::ptr_eq(&self.mesh, &configuration.object(self.id).mesh)
+            && configuration.object_motion(self.id) == self.motion
+    }
+}
+
+impl Still {
+    fn new(configuration: &Configuration, reach: Reach, preset: TreePreset) -> Still {
+        let standing = |(id, object): (usize, &Object)| {
+            let motion = configuration.object_motion(id);
+            Standing { id, mesh: object.mesh.clone(), motion, alone: Arc::default() }
+        };
+        let objects: Arc<[Standing]> = configuration.objects().map(standing).collect();
+        let triangles = |standing: &Standing| triangles_of(configuration.object(standing.id), standing.id, &standing.motion);
+        Still { body: Arc::new(Body::new(objects.iter().flat_map(triangles).collect(), reach, preset)), objects }
+    }
+
+    fn find(&self, id: usize) -> Option<&Standing> {
+        self.objects.binary_search_by_key(&id, |standing| standing.id).ok().map(|n| &self.objects[n])
+    }
+
+    /// Those that still stand so; `None` if something is gone that cannot move.
+    fn reduced(&self, before: &Configuration, after: &Configuration, reach: Reach) -> Option<Still> {
+        let (stay, gone): (Vec<_>, Vec<_>) = self.objects.iter().cloned().partition(|standing| standing.stands(after));
+        if gone.is_empty() {
+            return Some(self.clone());
+        }
+        if gone.iter().any(|standing| !before.object(standing.id).dynamic) {
+            return None;
+        }
+        let mut left = Still { body: self.body.clone(), objects: stay.into() };
+        left.body = Arc::new(self.body.reduced(|id| left.find(id).is_some(), reach));
+        Some(left)
+    }
+}
+
 /// A configuration, ready to trace.
 #[derive(Clone)]
 pub struct World {
     configuration: Configuration,
-    fixed: Arc<Body>,
-    /// The objects in `fixed`, with their meshes and where they stand, in order of their numbers.
-    fixed_objects: Arc<[(usize, Arc<Mesh>, Motion)]>,
+    still: Still,
     /// All others.
     crowd: Crowd,
     /// By number, also those that are gone.
@@ -188,17 +245,12 @@ fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
 }
 
 impl World {
-    /// Builds all trees. `preset` is for what stands still; what moves gets the other one.
+    /// Builds the tree. `preset` is for what stands still; what moves gets the other one.
     pub fn new(configuration: &Configuration, preset: TreePreset) -> World {
-        let fixed: Vec<usize> = configuration.objects().filter(|(_, o)| !o.dynamic).map(|(id, _)| id).collect();
         let reach = Reach::new(configuration.reach() as f32);
         let world = World {
             configuration: configuration.clone(),
-            fixed: fixed_body(configuration, &fixed, reach, preset),
-            fixed_objects: fixed
-                .iter()
-                .map(|id| (*id, configuration.object(*id).mesh.clone(), configuration.object_motion(*id)))
-                .collect(),
+            still: Still::new(configuration, reach, preset),
             crowd: Crowd::default(),
             lamps: Vec::new(),
             choice: Arc::new(LampChoice::new(configuration)),
@@ -210,18 +262,12 @@ impl World {
 
     /// The world of another configuration of the same scene; only what changed is built anew.
     pub fn moved_to(&self, configuration: &Configuration) -> World {
-        let mut world = World { configuration: configuration.clone(), ..self.clone() };
-        let stands = |(id, mesh, motion): &(usize, Arc<Mesh>, Motion)| {
-            configuration.has_object(*id)
-                && Arc::ptr_eq(mesh, &configuration.object(*id).mesh)
-                && configuration.object_motion(*id) == *motion
-        };
-        if !self.fixed_objects.iter().all(stands) {
-            // Something fixed is gone: what is fixed now, also what was added since, makes a new tree.
+        let Some(still) = self.still.reduced(&self.configuration, configuration, self.reach) else {
+            // Something fixed is gone: what is there now, also what was added since, makes a new tree.
             return World::new(configuration, self.preset);
-        }
-        let is_fixed = |id: usize| self.fixed_objects.binary_search_by_key(&id, |(fixed, ..)| *fixed).is_ok();
-        let movers = configuration.objects().filter(|(id, _)| !is_fixed(*id));
+        };
+        let mut world = World { configuration: configuration.clone(), still, ..self.clone() };
+        let movers = configuration.objects().filter(|(id, _)| world.still.find(*id).is_none());
         let placed = movers.map(|(id, object)| {
             let motion = configuration.object_motion(id);
             let kept = self.crowd.find(id).filter(|p| p.motion == motion && Arc::ptr_eq(&p.mesh, &object.mesh));
@@ -288,7 +334,11 @@ impl World {
     /// The objects `ids` where they stand in this world, to be met beside those of another: its phantoms
     /// (Dmitriev et al. 2002, §5.1).
     pub fn phantoms(&self, ids: &[usize]) -> Crowd {
-        let placed = |id: &usize| self.crowd.find(*id).cloned().unwrap_or_else(|| self.place(*id, self.motion(*id)));
+        let alone = |id: usize| match self.still.find(id) {
+            Some(standing) => standing.alone.get_or_init(|| self.place(id, standing.motion)).clone(),
+            None => self.place(id, self.motion(id)),
+        };
+        let placed = |id: &usize| self.crowd.find(*id).cloned().unwrap_or_else(|| alone(*id));
         Crowd::new(ids.iter().map(placed).collect())
     }
 
@@ -303,14 +353,14 @@ impl World {
         there.then(|| self.crowd.find(id).map_or_else(of_mesh, |placed| placed.body.bounds()))
     }
 
-    /// What never moves.
-    pub(crate) fn fixed(&self) -> &Arc<Body> {
-        &self.fixed
+    /// All that stands where it stood at first.
+    pub(crate) fn still(&self) -> &Arc<Body> {
+        &self.still.body
     }
 
-    /// The objects of [`fixed`](Self::fixed), in order.
-    pub(crate) fn fixed_objects(&self) -> impl Iterator<Item = usize> + '_ {
-        self.fixed_objects.iter().map(|(id, ..)| *id)
+    /// The objects of [`still`](Self::still), in order.
+    pub(crate) fn still_objects(&self) -> impl Iterator<Item = usize> + '_ {
+        self.still.objects.iter().map(|standing| standing.id)
     }
 
     /// All other objects.
@@ -320,7 +370,7 @@ impl World {
 
     /// The box about all that is there, padded, and the lamps.
     pub fn bounds(&self) -> [Vec3; 2] {
-        let bodies = self.crowd.bounds().chain([self.fixed.bounds()]).filter(|[low, high]| low.cmple(*high).all());
+        let bodies = self.crowd.bounds().chain([self.still.body.bounds()]).filter(|[low, high]| low.cmple(*high).all());
         let lamps = self.configuration.lamps().map(|(id, _)| [self.lamps[id].position.as_vec3(); 2]);
         bodies.chain(lamps).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], [l, h]| [low.min(l), high.max(h)])
     }
@@ -353,16 +403,20 @@ impl World {
 
     /// The first surface that a ray meets.
     pub fn nearest(&self, ray: &Ray) -> Option<Hit<'_>> {
-        if self.crowd.placed.is_empty() {
-            return widest(Alone { ray, body: &self.fixed });
-        }
-        widest(Nearest { ray, crowd: &self.crowd, fixed: Some(&self.fixed), best: None })
+        let (crowd, still) = (&self.crowd, Some(&*self.still.body));
+        STACK.with_borrow_mut(|stack| widest(Nearest { ray, crowd, still, best: None, stack }))
+    }
+
+    /// The same inside a task.
+    #[inline(always)]
+    pub(crate) fn nearest_in<L: Lanes>(&self, lanes: L, ray: &Ray, stack: &mut Stack) -> Option<Hit<'_>> {
+        Nearest { ray, crowd: &self.crowd, still: Some(&self.still.body), best: None, stack }.run(lanes)
     }
 
     /// The same without the widest lanes of this machine.
     #[cfg(test)]
     pub(crate) fn nearest_portably(&self, ray: &Ray) -> Option<Hit<'_>> {
-        Nearest { ray, crowd: &self.crowd, fixed: Some(&self.fixed), best: None }.run(crate::lanes::Portable)
+        self.nearest_in(crate::lanes::Portable, ray, &mut Stack::new())
     }
 
     /// What the ray meets at the distance of `hit`, but for rounding: surfaces that lie in one another. Which of them a photon meets is
@@ -371,8 +425,9 @@ impl World {
     pub fn layers<'w>(&'w self, ray: &Ray, hit: Hit<'w>) -> Vec<Hit<'w>> {
         // A few roundings of the largest coordinate.
         let slack = 1e-6 * self.reach.metres;
-        let bodies = self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.fixed]).collect();
-        let mut found = widest(All { ray, bodies, farthest: hit.distance + slack });
+        let bodies = self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.still.body]).collect();
+        let farthest = hit.distance + slack;
+        let mut found = STACK.with_borrow_mut(|stack| widest(All { ray, bodies, farthest, stack }));
         found.retain(|other| {
             !other.triangle.is(hit.triangle)
                 && other.distance >= hit.distance - slack
@@ -391,6 +446,7 @@ impl World {
     }
 
     /// The direction in which a photon leaves lamp `id`, unit.
+    #[inline(always)]
     pub fn emission(&self, id: usize, u: f64, v: f64) -> Vec3 {
         let local = match &self.configuration.lamp(id).photometry {
             None => uniform_sphere(u, v),
@@ -398,9 +454,4 @@ impl World {
         };
         (self.lamps[id].rotation * local).as_vec3()
     }
-}
-
-fn fixed_body(configuration: &Configuration, ids: &[usize], reach: Reach, preset: TreePreset) -> Arc<Body> {
-    let triangles = |id: &usize| triangles_of(configuration.object(*id), *id, &configuration.object_motion(*id));
-    Arc::new(Body::new(ids.iter().flat_map(triangles).collect(), reach, preset))
 }

@@ -8,20 +8,28 @@ use crate::Mesh;
 /// The cells of one mesh: how each triangle is cut and where its cells begin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice {
-    /// Divisions n of each triangle's edges.
-    divisions: Vec<u32>,
-    /// First cell of each triangle; one more entry than triangles.
-    first: Vec<u32>,
+    /// How each triangle is cut; one more entry than triangles.
+    cuts: Vec<Cut>,
     /// Area of one cell of each triangle, m².
     cell_area: Vec<f64>,
+}
+
+/// How a triangle is cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cut {
+    /// Its first cell.
+    first: u32,
+    /// Divisions n of its edges.
+    divisions: u32,
 }
 
 impl Lattice {
     /// Cuts every triangle of longest edge e into ⌈e / cell⌉² cells. `cell` in metres.
     /// `None` if there are more cells than a `u32` can number.
     pub fn new(mesh: &Mesh, cell: f64) -> Option<Lattice> {
-        let mut lattice = Lattice { divisions: Vec::new(), first: vec![0], cell_area: Vec::new() };
+        let mut lattice = Lattice { cuts: Vec::new(), cell_area: Vec::new() };
         let mut total = 0u64;
+        let number = |total: u64| u32::try_from(total).ok().filter(|t| *t < u32::MAX / 2);
         for t in 0..mesh.triangles.len() {
             let [a, b, c] = mesh.corners(t);
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
@@ -30,47 +38,47 @@ impl Lattice {
                 return None;
             }
             let n = n as u32;
+            lattice.cuts.push(Cut { first: number(total)?, divisions: n });
             total += u64::from(n) * u64::from(n);
-            lattice.divisions.push(n);
-            lattice.first.push(u32::try_from(total).ok().filter(|t| *t < u32::MAX / 2)?);
             lattice.cell_area.push((b - a).cross(c - a).length() / 2.0 / f64::from(n) / f64::from(n));
         }
+        lattice.cuts.push(Cut { first: number(total)?, divisions: 0 });
         Some(lattice)
     }
 
     /// All cells of the mesh, counted once (not per side).
     pub fn cells(&self) -> u32 {
-        self.first[self.divisions.len()]
+        self.cuts[self.cuts.len() - 1].first
     }
 
     /// Divisions of triangle `t`'s edges.
     pub fn divisions(&self, t: usize) -> u32 {
-        self.divisions[t]
+        self.cuts[t].divisions
     }
 
     /// Corners of the cells of triangle `t`: its lattice points.
     pub fn points_in(&self, t: usize) -> u32 {
-        let n = self.divisions[t];
+        let n = self.cuts[t].divisions;
         (n + 1) * (n + 2) / 2
     }
 
     /// The cell of a point of triangle `t`; `b1`, `b2` are the barycentric weights of its second and third corner.
     #[inline]
     pub fn cell(&self, t: usize, b1: f32, b2: f32) -> u32 {
-        let n = self.divisions[t];
+        let Cut { first, divisions: n } = self.cuts[t];
         if n == 1 {
-            return self.first[t];
+            return first;
         }
         let (x, y) = ((b1 * n as f32).max(0.0), (b2 * n as f32).max(0.0));
         let row = (x as u32).min(n - 1);
         let column = (y as u32).min(n - 1 - row);
         let inverted = (x - row as f32) + (y - column as f32) > 1.0 && row + column < n - 1;
-        self.first[t] + row * (2 * n - row) + 2 * column + u32::from(inverted)
+        first + row * (2 * n - row) + 2 * column + u32::from(inverted)
     }
 
     /// The triangle that cell `cell` belongs to.
     pub fn triangle_of(&self, cell: u32) -> usize {
-        self.first.partition_point(|first| *first <= cell) - 1
+        self.cuts.partition_point(|cut| cut.first <= cell) - 1
     }
 
     /// Area of cell `cell`, m².
@@ -85,7 +93,7 @@ impl Lattice {
 
     /// The cells of triangle `t`.
     pub fn cells_of(&self, t: usize) -> std::ops::Range<u32> {
-        self.first[t]..self.first[t + 1]
+        self.cuts[t].first..self.cuts[t + 1].first
     }
 }
 

@@ -16,6 +16,7 @@ const PI_2_MIDDLE: f64 = 6.07710050630396597660e-11;
 const PI_2_LOW: f64 = 2.02226624879595063154e-21;
 
 /// (sin x, cos x), `x` in radians; absolute error below 1e-15 for |x| < 10^6, growing with |x| beyond; NaN for a non-finite `x`.
+#[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     let quarters = (x * FRAC_2_PI + ROUND) - ROUND;
     let rest = ((x - quarters * PI_2_HIGH) - quarters * PI_2_MIDDLE) - quarters * PI_2_LOW;
@@ -24,6 +25,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
 
 /// (sin d, cos d), `d` in degrees; absolute error below 1e-15 for |d| < 10^12; exactly 0 and ±1 at whole multiples
 /// of 90; NaN for a non-finite `d`.
+#[inline]
 pub fn sin_cos_degrees(d: f64) -> (f64, f64) {
     let quarters = (d * (1.0 / 90.0) + ROUND) - ROUND;
     // Exact: both are multiples of the last place of d, and the difference is no larger than d.
@@ -32,6 +34,7 @@ pub fn sin_cos_degrees(d: f64) -> (f64, f64) {
 }
 
 /// (sin x, cos x) for |x| ≤ π/4 and a little more.
+#[inline(always)]
 fn kernel(x: f64) -> (f64, f64) {
     let z = x * x;
     let s = 8.33333333332248946124e-03
@@ -49,6 +52,7 @@ fn kernel(x: f64) -> (f64, f64) {
 }
 
 /// The pair turned by that many quarters of a circle, without branches: the quarter is random in a sampler.
+#[inline(always)]
 fn turned((sin, cos): (f64, f64), quarters: f64) -> (f64, f64) {
     let q = quarters as i64 as u64;
     let (s, c) = if q & 1 == 0 { (sin, cos) } else { (cos, sin) };

@@ -14,20 +14,20 @@ use std::sync::Arc;
 /// Where an object's triangles are.
 #[derive(Clone)]
 enum Trees {
-    Fixed(Arc<Body>),
+    Still(Arc<Body>),
     Own(Arc<Placed>),
 }
 
 impl Trees {
     fn body(&self) -> &Body {
         match self {
-            Trees::Fixed(body) => body,
+            Trees::Still(body) => body,
             Trees::Own(placed) => &placed.body,
         }
     }
 
     fn are(&self, other: &Trees) -> bool {
-        std::ptr::eq(self.body(), other.body())
+        std::ptr::eq(self.body().triangles(), other.body().triangles())
     }
 }
 
@@ -59,8 +59,7 @@ impl Surfaces {
         let objects = 0..world.configuration().object_slots();
         let mut surfaces =
             Surfaces { tables: vec![None; objects.len()], plain: objects.map(|id| plain(world.object(id))).collect() };
-        let fixed = Trees::Fixed(world.fixed().clone());
-        surfaces.add(world, &fixed, world.fixed_objects(), like);
+        surfaces.add(world, &Trees::Still(world.still().clone()), world.still_objects(), like);
         for placed in world.crowd().placed() {
             surfaces.add(world, &Trees::Own(placed.clone()), std::iter::once(placed.id), like);
         }
@@ -84,7 +83,9 @@ impl Surfaces {
         let mut last = 0;
         for (place, triangle) in trees.body().triangles().iter().enumerate() {
             if new[last].0 != triangle.object() {
-                last = new.binary_search_by_key(&triangle.object(), |(id, _)| *id).expect("a body holds its objects only");
+                // What was taken out of a tree is still among its triangles.
+                let Ok(found) = new.binary_search_by_key(&triangle.object(), |(id, _)| *id) else { continue };
+                last = found;
             }
             for cell in world.object(triangle.object()).lattice.cells_of(triangle.in_mesh()) {
                 new[last].1[cell as usize] = place as u32;

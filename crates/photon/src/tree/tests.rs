@@ -17,7 +17,7 @@ impl<'t> Task for First<'t, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
         let mut best = None;
-        self.0.nearest(&Beam::new(lanes, self.1), &mut best);
+        self.0.nearest(&Beam::new(lanes, self.1), &mut Stack::new(), &mut best);
         best
     }
 }
