@@ -258,7 +258,7 @@ impl<'a> Passage<'a> {
             brought = if material.texture.is_none() {
                 brought.reflected(material.reflectance)
             } else {
-                let here = known.unwrap_or_else(|| photon());
+                let here = known.unwrap_or_else(&photon);
                 let next = self.replay(here, &recorded[at..=n], &mut Watch::default()).expect("its record goes on");
                 (at, known) = (n + 1, Some(next));
                 next.brings()
