@@ -171,6 +171,8 @@ fn sizes(mut ledger: LedgerSolution, pool: Pool, rounds: usize) -> Fallible<()> 
             shares.push(scan[1] / restart[1]);
             marked = ledger.outstanding_photons();
             ledger.change(home.clone())?;
+            ledger.scan(usize::MAX);
+            drain(&mut ledger);
         }
         let name = if ids.len() == 1 { configuration.object(ids[0]).name.as_str() } else { "all of them" };
         rows.push(((high - low).length(), name, crowd.len(), marked, median(scans), median(shares)));

@@ -1,6 +1,7 @@
 //! The second way to find what became wrong: a ledger of every photon's path.
 //!
-//! Paths are short (2.5 hits at a reflectance of 0.5), so all are kept: where each hit lies, in six bytes, and its triangle (`ledger/chunk.rs`).
+//! Paths are short (2.5 hits at a reflectance of 0.5), so all are kept: where each hit lies, in six bytes, and on which side
+//! of which mesh element (`ledger/chunk.rs`).
 //! After an edit a scan of the recorded points marks the photons that may have become wrong and misses none (`ledger/scan.rs`); each of them is
 //! replayed from its record, cleared or traced anew from where it changed (`ledger/replay.rs`). Not in the seed, which tells such photons by
 //! pilots (Dmitriev et al. 2002, §5.2: [`crate::solution`]); the bits in the end are the same.

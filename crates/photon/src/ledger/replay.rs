@@ -20,6 +20,7 @@ use crate::{
     world::{Crowd, Difference, World},
 };
 use glam::Vec3;
+use lightmend_scene::Material;
 
 /// How paths are written down.
 #[derive(Clone, Copy)]
@@ -209,13 +210,10 @@ impl<'a> Passage<'a> {
         })
     }
 
-    /// The reflectance of an element where it was recorded; `None` if it has a texture.
-    fn reflectance(&self, Element { object, cell, .. }: Element) -> Option<Vec3> {
-        self.surfaces.plain(object).or_else(|| {
-            let triangle = self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record");
-            let material = self.before.object(object).material(triangle.in_mesh());
-            material.texture.is_none().then_some(material.reflectance)
-        })
+    /// The material of an element where it was recorded.
+    fn material(&self, Element { object, cell, .. }: Element) -> &Material {
+        let triangle = self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record");
+        self.before.object(object).material(triangle.in_mesh())
     }
 
     /// Whether a surface that did not move is of the same reflectance at a hit.
@@ -256,14 +254,14 @@ impl<'a> Passage<'a> {
                 old.end(End::Absorbed, brought.throughput, brought.lamp);
                 break;
             }
-            brought = match self.reflectance(element) {
-                Some(reflectance) => brought.reflected(reflectance),
-                None => {
-                    let here = known.unwrap_or_else(&photon);
-                    let next = self.replay(here, &recorded[at..=n], &mut Watch::default()).expect("its record goes on");
-                    (at, known) = (n + 1, Some(next));
-                    next.brings()
-                }
+            let material = self.material(element);
+            brought = if material.texture.is_none() {
+                brought.reflected(material.reflectance)
+            } else {
+                let here = known.unwrap_or_else(&photon);
+                let next = self.replay(here, &recorded[at..=n], &mut Watch::default()).expect("its record goes on");
+                (at, known) = (n + 1, Some(next));
+                next.brings()
             };
         }
         (at - from) as u64

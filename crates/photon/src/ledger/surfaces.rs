@@ -7,8 +7,6 @@ use crate::{
     triangle::Triangle,
     world::{Placed, World},
 };
-use glam::Vec3;
-use lightmend_scene::Object;
 use std::sync::Arc;
 
 /// Where an object's triangles are.
@@ -42,23 +40,12 @@ struct Table {
 pub struct Surfaces {
     /// By the object's number; `None` if it is gone.
     tables: Vec<Option<Table>>,
-    /// By the object's number, its reflectance if that is the same everywhere.
-    plain: Vec<Option<Vec3>>,
-}
-
-/// The reflectance of an object that is of one material without a texture.
-fn plain(object: &Object) -> Option<Vec3> {
-    let [first, others @ ..] = object.materials.as_slice() else { return None };
-    let is_plain = first.texture.is_none() && others.iter().all(|other| Arc::ptr_eq(first, other));
-    is_plain.then_some(first.reflectance)
 }
 
 impl Surfaces {
     /// Of a world; `like` are those of one that shares objects with it.
     pub fn new(world: &World, like: Option<&Surfaces>) -> Surfaces {
-        let objects = 0..world.configuration().object_slots();
-        let mut surfaces =
-            Surfaces { tables: vec![None; objects.len()], plain: objects.map(|id| plain(world.object(id))).collect() };
+        let mut surfaces = Surfaces { tables: vec![None; world.configuration().object_slots()] };
         surfaces.add(world, &Trees::Still(world.still().clone()), world.still_objects(), like);
         for placed in world.crowd().placed() {
             surfaces.add(world, &Trees::Own(placed.clone()), std::iter::once(placed.id), like);
@@ -94,12 +81,6 @@ impl Surfaces {
         for (id, places) in new {
             self.tables[id] = Some(Table { trees: trees.clone(), places: places.into() });
         }
-    }
-
-    /// The reflectance of an object if that is the same everywhere: then it follows from an element without geometry.
-    #[inline]
-    pub fn plain(&self, object: usize) -> Option<Vec3> {
-        self.plain[object]
     }
 
     /// The triangle of an element of an object that is there.
