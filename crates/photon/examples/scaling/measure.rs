@@ -73,6 +73,7 @@ pub fn measure(point: &Point, scenes: &Path, out: &Path) -> Result<Row, Box<dyn 
     put("ledger s", kept.wall());
     put("ledger processor s", kept.processor());
     put("ledger bytes", ledger.bytes() as f64);
+    put("shot peak bytes", memory("VmHWM")?);
     put("hits", ledger.entries() as f64);
 
     let rounds = if point.photons > 50_000_000 { 2 } else { 6 };
