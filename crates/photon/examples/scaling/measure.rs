@@ -41,7 +41,7 @@ pub fn measure(point: &Point, scenes: &Path, out: &Path) -> Result<Row, Box<dyn 
 
     let resident = memory("VmRSS")?;
     let mut building = Times::default();
-    let world = Arc::new(building.run(|| World::new(&home, TreePreset::default()))?);
+    let world = Arc::new(building.run(|| World::new(&home, TreePreset::default())));
     put("trees s", building.wall());
     put("trees processor s", building.processor());
     put("trees bytes", memory("VmRSS")? - resident);
@@ -52,7 +52,7 @@ pub fn measure(point: &Point, scenes: &Path, out: &Path) -> Result<Row, Box<dyn 
     for round in 0..rounds {
         drop(ledger.take());
         let shoot = || Solution::shoot(pool, world.clone(), FirstHits::AsLampsSay, &mut |_, _| true);
-        let solution = plain.run(shoot)?.ok_or("too few photons")?;
+        let solution = plain.run(shoot).ok_or("too few photons")?;
         let light = hash(solution.buckets());
         if round == 0 {
             put("plain peak bytes", memory("VmHWM")?);
@@ -61,7 +61,7 @@ pub fn measure(point: &Point, scenes: &Path, out: &Path) -> Result<Row, Box<dyn 
         // Not kept beside the ledger: the peak is to be the ledger's own.
         drop(solution);
         let limit = BUDGET as u64;
-        let begun = kept.run(|| LedgerSolution::shoot(pool, world.clone(), FirstHits::AsLampsSay, limit, &mut |_, _| true))??;
+        let begun = kept.run(|| LedgerSolution::shoot(pool, world.clone(), FirstHits::AsLampsSay, limit, &mut |_, _| true))?;
         if hash(begun.buckets()) != light {
             return Err("the ledger's light is not the solution's".into());
         }
@@ -73,6 +73,7 @@ pub fn measure(point: &Point, scenes: &Path, out: &Path) -> Result<Row, Box<dyn 
     put("ledger s", kept.wall());
     put("ledger processor s", kept.processor());
     put("ledger bytes", ledger.bytes() as f64);
+    put("shot peak bytes", memory("VmHWM")?);
     put("hits", ledger.entries() as f64);
 
     let rounds = if point.photons > 50_000_000 { 2 } else { 6 };
@@ -102,18 +103,18 @@ fn edit(ledger: &mut LedgerSolution, configurations: &[Configuration; 2], rounds
     let slice = ledger.photons().div_ceil(256 * SLICES as u64) as usize;
     let (mut marks, mut rays, mut parted) = (Vec::new(), Vec::new(), Vec::new());
     for round in 0..rounds {
-        let world = moving.run(|| Arc::new(ledger.world().moved_to(&configurations[round % 2])))?;
-        changing.run(|| ledger.change(world))??;
-        slicing.run(|| ledger.scan(slice))?;
-        scanning.run(|| ledger.scan(usize::MAX))?;
-        let marked = asking.run(|| (ledger.is_exact(), ledger.outstanding_photons()))?.1;
+        let world = moving.run(|| Arc::new(ledger.world().moved_to(&configurations[round % 2])));
+        changing.run(|| ledger.change(world))?;
+        slicing.run(|| ledger.scan(slice));
+        scanning.run(|| ledger.scan(usize::MAX));
+        let marked = asking.run(|| (ledger.is_exact(), ledger.outstanding_photons())).1;
         let mut work = Work::default();
-        stepping.run(|| ledger.repair_next().iter().for_each(|mended| work += mended.work))?;
+        stepping.run(|| ledger.repair_next().iter().for_each(|mended| work += mended.work));
         repairing.run(|| {
             while let Some(mended) = ledger.repair_next() {
                 work += mended.work;
             }
-        })?;
+        });
         marks.push(marked as f64);
         rays.push(work.rays as f64);
         parted.push(work.photons as f64);

@@ -47,13 +47,18 @@ impl Law {
 /// A curve's name, its columns added up, its colour.
 type Column = (&'static str, &'static [&'static str], RGBColor);
 
-const SECONDS: [Column; 6] = [
+const PURPLE: RGBColor = RGBColor(150, 40, 160);
+const TEAL: RGBColor = RGBColor(0, 150, 160);
+
+const SECONDS: [Column; 8] = [
     ("shooting", &["plain processor s"], INK),
     ("shooting with the ledger", &["ledger processor s"], GREY),
-    ("scan", &["small scan processor s"], BLUE),
+    ("scan, small", &["small scan processor s"], BLUE),
+    ("scan, large", &["large scan processor s"], PURPLE),
     ("repair, small", &["small repair processor s"], GREEN),
     ("repair, large", &["large repair processor s"], OCHRE),
-    ("an edit taken up", &["small moved processor s", "small change processor s"], RED),
+    ("a frame of a drag", &["small frame processor s"], TEAL),
+    ("of that: the edit taken up", &["small moved processor s", "small change processor s"], RED),
 ];
 
 const BYTES: [Column; 4] = [

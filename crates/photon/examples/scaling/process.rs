@@ -1,5 +1,6 @@
-//! What the kernel says of this process: proc(5).
+//! What the kernel says of this process: its memory, proc(5), and its time.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::{error::Error, fs::read_to_string, time::Instant};
 
 /// Memory, bytes: `VmRSS` is what is resident, `VmHWM` the most that ever was.
@@ -10,14 +11,10 @@ pub fn memory(field: &str) -> Result<f64, Box<dyn Error>> {
     Ok(kilobytes.parse::<f64>()? * 1024.0)
 }
 
-/// Seconds that the threads of this process have run; none of ours end before it does.
-fn processor_seconds() -> Result<f64, Box<dyn Error>> {
-    let mut nanoseconds = 0;
-    for task in std::fs::read_dir("/proc/self/task")? {
-        let times = read_to_string(task?.path().join("schedstat"))?;
-        nanoseconds += times.split(' ').next().ok_or("the kernel tells no times")?.parse::<u64>()?;
-    }
-    Ok(nanoseconds as f64 * 1e-9)
+/// Seconds that all threads of this process have run.
+fn processor_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// Runs of the same work, seconds.
@@ -29,12 +26,12 @@ pub struct Times {
 
 impl Times {
     /// Does it once more.
-    pub fn run<T>(&mut self, work: impl FnOnce() -> T) -> Result<T, Box<dyn Error>> {
-        let (processor, wall) = (processor_seconds()?, Instant::now());
+    pub fn run<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let (processor, wall) = (processor_seconds(), Instant::now());
         let result = work();
         self.wall.push(wall.elapsed().as_secs_f64());
-        self.processor.push(processor_seconds()? - processor);
-        Ok(result)
+        self.processor.push(processor_seconds() - processor);
+        result
     }
 
     /// Median of what the clock said.
