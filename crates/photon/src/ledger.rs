@@ -26,6 +26,7 @@ use crate::{
     pool::Pool,
     solution::{CLASSES, Shooting, Solution, Work, in_class},
     visible::Frustum,
+    wave::trace_apart,
     world::World,
 };
 use chunk::Loose;
@@ -34,7 +35,7 @@ use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
 use rayon::prelude::*;
 pub use repair::Mended;
-use replay::Recorder;
+use replay::{Clerk, Drafts, Recorder};
 use std::{
     collections::BTreeMap,
     fmt::{Debug, Formatter},
@@ -175,13 +176,15 @@ impl LedgerSolution {
         let newest = self.newest;
         let shot: Vec<(Outcome, Held)> = (first..(first + classes.max(1) as u64).min(CLASSES))
             .into_par_iter()
-            .map_init(<(Loose, Vec<_>)>::default, |(loose, path), class| {
+            .map_init(<(Loose, Drafts)>::default, |(loose, drafts), class| {
                 let mut outcome = Outcome::new(lamps, false);
-                let photons = || in_class(slab.clone(), class, self.rules.sequence.copies());
-                loose.clear(photons().count());
-                for (photon, index) in photons().enumerate() {
-                    let lamp = recorder.trace(&self.rules, world, index, &mut outcome, path);
-                    loose.set(photon as u8, lamp, path);
+                let photons = in_class(slab.clone(), class, self.rules.sequence.copies());
+                let count = in_class(slab.clone(), class, self.rules.sequence.copies()).count();
+                loose.clear(count);
+                drafts.clear(count);
+                trace_apart(&self.rules, world, photons, &mut Clerk { recorder, drafts, outcome: &mut outcome });
+                for photon in 0..count {
+                    loose.set(photon as u8, drafts.lamps[photon], &drafts.paths[photon]);
                 }
                 (outcome, Held { chunk: loose.store(), right_in: newest, marked: Vec::new() })
             })

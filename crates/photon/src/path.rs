@@ -348,6 +348,23 @@ impl Record for Watch {
     }
 }
 
+impl<R: Record> Record for &mut R {
+    #[inline(always)]
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+        (**self).hit(hit, side, throughput, lamp, deposits, world);
+    }
+
+    #[inline(always)]
+    fn end(&mut self, end: End, throughput: Vec3, lamp: u16) {
+        (**self).end(end, throughput, lamp);
+    }
+
+    #[inline(always)]
+    fn ray(&mut self) {
+        (**self).ray();
+    }
+}
+
 /// Two records of one path.
 impl<A: Record, B: Record> Record for (&mut A, &mut B) {
     fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {

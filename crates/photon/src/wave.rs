@@ -9,42 +9,75 @@ use crate::{
     path::{Photon, Record, Rules},
     pool::PhotonIndex,
     stack::Stack,
+    triangle::Ray,
     world::{STACK, World},
 };
 
-struct Wave<'a, I, R> {
+/// Who hears of many photons.
+pub trait Log {
+    /// Photon number `number` leaves its lamp, if there is one.
+    #[inline(always)]
+    fn emitted(&mut self, _number: u32, _photon: &Option<Photon>) {}
+
+    /// It meets nothing on this ray.
+    #[inline(always)]
+    fn missed(&mut self, _number: u32, _ray: &Ray) {}
+
+    /// Hears of what else happens to it.
+    fn of(&mut self, number: u32) -> impl Record;
+}
+
+/// One record for all of them.
+struct Together<'r, R>(&'r mut R);
+
+impl<R: Record> Log for Together<'_, R> {
+    #[inline(always)]
+    fn of(&mut self, _number: u32) -> impl Record {
+        &mut *self.0
+    }
+}
+
+struct Wave<'a, 'w, I, L> {
     rules: &'a Rules,
-    world: &'a World,
+    world: &'w World,
+    /// Photons that are emitted, numbered from 0.
     indices: I,
-    record: &'a mut R,
+    /// Those that are under way, with their numbers.
+    photons: Vec<(u32, Photon<'w>)>,
+    log: &'a mut L,
     stack: &'a mut Stack,
 }
 
-impl<I: Iterator<Item = PhotonIndex>, R: Record> Task for Wave<'_, I, R> {
+impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Wave { rules, world, indices, record, stack } = self;
-        let mut photons = Vec::with_capacity(indices.size_hint().0);
-        for index in indices {
-            photons.extend(Photon::emit(rules, world, index));
+        let Wave { rules, world, indices, mut photons, log, stack } = self;
+        photons.reserve(indices.size_hint().0);
+        for (number, index) in indices.enumerate() {
+            let photon = Photon::emit(rules, world, index);
+            log.emitted(number as u32, &photon);
+            photons.extend(photon.map(|photon| (number as u32, photon)));
         }
-        let (mut met, mut going) = (Vec::new(), Vec::new());
+        let (mut met, mut going) = (Vec::with_capacity(photons.len()), Vec::with_capacity(photons.len()));
         while !photons.is_empty() {
-            for photon in &photons {
-                record.ray();
+            for (number, photon) in &photons {
+                log.of(*number).ray();
                 met.push(world.nearest_in(lanes, photon.ray(), stack));
             }
             let mut survivors = Vec::with_capacity(photons.len());
-            for (photon, met) in photons.iter().zip(&met) {
-                if let (Some(survivor), Some(hit)) = (photon.land(rules, world, met, record), met) {
-                    survivors.push((photon, hit, survivor));
+            for ((number, photon), met) in photons.iter().zip(&met) {
+                if met.is_none() {
+                    log.missed(*number, photon.ray());
+                }
+                if let (Some(survivor), Some(hit)) = (photon.land(rules, world, met, &mut log.of(*number)), met) {
+                    survivors.push((*number, photon, hit, survivor));
                 }
             }
             going.clear();
-            for (photon, hit, survivor) in &survivors {
-                going.push(photon.leave(rules, world, hit, *survivor));
+            for (number, photon, hit, survivor) in &survivors {
+                going.push((*number, photon.leave(rules, world, hit, *survivor)));
             }
             met.clear();
             std::mem::swap(&mut photons, &mut going);
@@ -54,7 +87,17 @@ impl<I: Iterator<Item = PhotonIndex>, R: Record> Task for Wave<'_, I, R> {
 
 /// Traces photons through `world`. A few hundred at once do best.
 pub fn trace_each(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
-    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, record, stack }));
+    trace_apart(rules, world, indices, &mut Together(record));
+}
+
+/// Traces photons through `world`, numbered from 0.
+pub fn trace_apart(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, log: &mut impl Log) {
+    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Vec::new(), log, stack }));
+}
+
+/// Traces photons that are under way to their ends.
+pub fn follow_apart<'w>(rules: &Rules, world: &'w World, photons: Vec<(u32, Photon<'w>)>, log: &mut impl Log) {
+    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices: std::iter::empty(), photons, log, stack }));
 }
 
 #[cfg(test)]
@@ -84,7 +127,8 @@ mod tests {
                 let [mut wide, mut portable, mut single] = outcomes;
                 trace_each(&rules, &world, indices(), &mut wide);
                 let stack = &mut Stack::new();
-                Wave { rules: &rules, world: &world, indices: indices(), record: &mut portable, stack }.run(Portable);
+                let log = &mut Together(&mut portable);
+                Wave { rules: &rules, world: &world, indices: indices(), photons: Vec::new(), log, stack }.run(Portable);
                 assert!(wide == portable, "class {class}");
                 indices().for_each(|index| trace(&rules, &world, index, &mut single));
                 for outcome in [&mut wide, &mut single] {

@@ -5,13 +5,14 @@ use super::{
     chunk::{Chunk, Entry, Loose, PHOTONS},
     gather,
     held::{Held, Past},
-    replay::{Passage, Recorder},
+    replay::{Clerk, Drafts, Passage, Recorder},
     scan::Marks,
 };
 use crate::{
     path::Outcome,
     pool::PhotonIndex,
     solution::{CLASSES, Work, in_class},
+    wave::follow_apart,
 };
 use rayon::prelude::*;
 
@@ -49,7 +50,7 @@ struct Repair {
 struct Room {
     loose: Loose,
     recorded: Vec<Entry>,
-    path: Vec<Entry>,
+    drafts: Drafts,
 }
 
 impl LedgerSolution {
@@ -171,22 +172,30 @@ impl LedgerSolution {
                 recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
             });
         }
-        let Repair { old, new, parted, replayed, photons, chunks, room: Room { loose, recorded, path } } = repair;
-        let parted_before = *parted;
+        let Repair { old, new, parted, replayed, photons, chunks, room: Room { loose, recorded, drafts } } = repair;
         loose.load(&held.chunk);
+        drafts.clear(held.chunk.order().len());
+        let (mut changed, mut onward) = (Vec::new(), Vec::new());
         for (photon, index) in self.members(number).enumerate() {
             if let Some(passage) = passages.get(usize::from(passage_of[photon])) {
                 let lamp = loose.get(photon as u8, recorded);
-                let mending = passage.repair(index, lamp, recorded, old, new, path);
+                let mending = passage.repair(index, lamp, recorded, old, new, &mut drafts.paths[photon]);
                 if mending.parts {
-                    loose.set(photon as u8, mending.lamp, path);
-                    *parted += 1;
+                    drafts.lamps[photon] = mending.lamp;
+                    changed.push(photon);
                 }
+                onward.extend(mending.onward.map(|going| (photon as u32, going)));
                 *replayed += mending.replayed;
                 photons.push(index);
             }
         }
-        if *parted > parted_before {
+        if !changed.is_empty() {
+            let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
+            follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: new });
+            for photon in &changed {
+                loose.set(*photon as u8, drafts.lamps[*photon], &drafts.paths[*photon]);
+            }
+            *parted += changed.len() as u64;
             chunks.push((number, loose.store()));
         }
     }

@@ -17,6 +17,7 @@ use crate::{
     path::{Brought, End, LONGEST_PATH, Outcome, Photon, Record, Rules, Watch, cell, reflectance},
     pool::PhotonIndex,
     triangle::{Hit, Ray, Triangle},
+    wave::Log,
     world::{Crowd, Difference, World},
 };
 use glam::Vec3;
@@ -39,7 +40,7 @@ struct Writing<'a> {
 }
 
 impl Record for Writing<'_> {
-    #[inline]
+    #[inline(always)]
     fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
         let (object, cell) = (hit.triangle.object(), cell(world, hit));
         let place = self.recorder.grid.place(hit.triangle.point(hit.weights));
@@ -58,7 +59,12 @@ impl Record for Writing<'_> {
     }
 }
 
-impl<'a> Recorder<'a> {
+impl Recorder<'_> {
+    /// Writes down where a ray leaves.
+    fn escape(&self, ray: &Ray) -> Entry {
+        Entry { place: self.grid.exit(ray.origin, ray.direction), element: ESCAPED }
+    }
+
     /// One step, written down.
     fn step<'w>(
         self,
@@ -70,33 +76,55 @@ impl<'a> Recorder<'a> {
         path: &mut Vec<Entry>,
     ) -> Option<Photon<'w>> {
         if met.is_none() {
-            let Ray { origin, direction, .. } = *photon.ray();
-            path.push(Entry { place: self.grid.exit(origin, direction), element: ESCAPED });
+            path.push(self.escape(photon.ray()));
         }
         photon.step(rules, world, met, &mut Writing { recorder: self, outcome, path })
     }
+}
 
-    /// Traces a photon to its end and writes its path down.
-    fn follow<'w>(self, mut photon: Photon<'w>, rules: &Rules, world: &'w World, outcome: &mut Outcome, path: &mut Vec<Entry>) {
-        loop {
-            outcome.ray();
-            let met = world.nearest(photon.ray());
-            match self.step(photon, rules, world, met, outcome, path) {
-                Some(next) => photon = next,
-                None => return,
-            }
-        }
+/// Paths of the photons of a chunk while they are traced.
+#[derive(Default)]
+pub struct Drafts {
+    /// By the photon's number in its chunk.
+    pub paths: Vec<Vec<Entry>>,
+    /// Their lamps.
+    pub lamps: Vec<u16>,
+}
+
+impl Drafts {
+    /// For so many photons, none of which has a path.
+    pub fn clear(&mut self, photons: usize) {
+        self.paths.resize_with(self.paths.len().max(photons), Vec::new);
+        self.paths.iter_mut().for_each(Vec::clear);
+        self.lamps.clear();
+        self.lamps.resize(photons, NO_LAMP);
+    }
+}
+
+/// Writes paths down and gathers their light.
+pub struct Clerk<'a> {
+    /// How.
+    pub recorder: Recorder<'a>,
+    /// The paths.
+    pub drafts: &'a mut Drafts,
+    /// What they leave.
+    pub outcome: &'a mut Outcome,
+}
+
+impl Log for Clerk<'_> {
+    #[inline(always)]
+    fn emitted(&mut self, number: u32, photon: &Option<Photon>) {
+        self.drafts.lamps[number as usize] = photon.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
     }
 
-    /// Traces photon `index` and writes its path down; its lamp.
-    pub fn trace(self, rules: &Rules, world: &World, index: PhotonIndex, outcome: &mut Outcome, path: &mut Vec<Entry>) -> u16 {
-        path.clear();
-        let photon = Photon::emit(rules, world, index);
-        let lamp = photon.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
-        if let Some(photon) = photon {
-            self.follow(photon, rules, world, outcome, path);
-        }
-        lamp
+    #[inline(always)]
+    fn missed(&mut self, number: u32, ray: &Ray) {
+        self.drafts.paths[number as usize].push(self.recorder.escape(ray));
+    }
+
+    #[inline(always)]
+    fn of(&mut self, number: u32) -> impl Record {
+        Writing { recorder: self.recorder, outcome: self.outcome, path: &mut self.drafts.paths[number as usize] }
     }
 }
 
@@ -121,8 +149,10 @@ pub struct Passage<'a> {
 }
 
 /// What a photon's repair comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mending {
+#[derive(Debug, Clone, Copy)]
+pub struct Mending<'a> {
+    /// The photon where its known path ends, if it goes on.
+    pub onward: Option<Photon<'a>>,
     /// Whether its paths part; if not its record stays.
     pub parts: bool,
     /// The number of its lamp now.
@@ -132,8 +162,8 @@ pub struct Mending {
 }
 
 impl<'a> Passage<'a> {
-    /// Repairs one photon: what its old path leaves goes to `old`, what its new one leaves to `new`, the path itself to `path`; both
-    /// outcomes hear only of where the paths part.
+    /// Repairs one photon up to where its new path must be traced: what its old path leaves goes to `old`, what the new one leaves at the
+    /// first hit that differs to `new`, the path so far to `path`.
     pub fn repair(
         &self,
         index: PhotonIndex,
@@ -142,7 +172,7 @@ impl<'a> Passage<'a> {
         old: &mut Outcome,
         new: &mut Outcome,
         path: &mut Vec<Entry>,
-    ) -> Mending {
+    ) -> Mending<'a> {
         path.clear();
         let leaving = Photon::emit(self.rules, self.after, index);
         let lamp = leaving.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
@@ -156,10 +186,7 @@ impl<'a> Passage<'a> {
                 let left = || Photon::emit(self.rules, self.before, index).expect("its lamp is recorded");
                 replayed = self.take_back(brought, left, recorded, 0, old);
             }
-            if let Some(photon) = leaving {
-                self.recorder.follow(photon, self.rules, self.after, new, path);
-            }
-            return Mending { parts: true, lamp, replayed };
+            return Mending { onward: leaving, parts: true, lamp, replayed };
         }
         let mut photon = leaving;
         for (k, entry) in recorded.iter().enumerate() {
@@ -185,13 +212,11 @@ impl<'a> Passage<'a> {
             let hits = k as u64 + u64::from(was.is_some());
             let replayed = self.take_back(here.brings(), || here, recorded, k, old);
             path.extend_from_slice(&recorded[..k]);
-            if let Some(next) = self.recorder.step(here, self.rules, self.after, now, new, path) {
-                self.recorder.follow(next, self.rules, self.after, new, path);
-            }
-            return Mending { parts: true, lamp, replayed: hits + replayed };
+            let onward = self.recorder.step(here, self.rules, self.after, now, new, path);
+            return Mending { onward, parts: true, lamp, replayed: hits + replayed };
         }
         let hits = recorded.iter().filter(|entry| entry.element != ESCAPED).count() as u64;
-        Mending { parts: false, lamp, replayed: hits }
+        Mending { onward: None, parts: false, lamp, replayed: hits }
     }
 
     /// Whether a photon left the same lamp on the same ray.

@@ -1,7 +1,7 @@
 //! The light that is taken back by the record is the light that was left.
 
 use super::*;
-use crate::{body::TreePreset, bucket::Deposit, halton::Scrambling, path::FirstHits, path::Tally, pool::Pool};
+use crate::{body::TreePreset, bucket::Deposit, halton::Scrambling, path::FirstHits, path::Tally, pool::Pool, wave::trace_apart};
 use lightmend_scene::{Configuration, Scene};
 
 /// What a hit left, and that it is taken back.
@@ -36,15 +36,18 @@ fn old_light_from_the_record_is_that_which_was_left() {
             };
             let (mut replayed, mut hits) = (0, 0);
             for index in (0..3000).map(PhotonIndex) {
-                let (mut left, mut path) = (Outcome::new(lamps, false), Vec::new());
-                let lamp = recorder.trace(&rules, &world, index, &mut left, &mut path);
+                let (mut left, mut drafts) = (Outcome::new(lamps, false), Drafts::default());
+                drafts.clear(1);
+                let clerk = &mut Clerk { recorder, drafts: &mut drafts, outcome: &mut left };
+                trace_apart(&rules, &world, std::iter::once(index), clerk);
+                let (lamp, path) = (drafts.lamps[0], &drafts.paths[0]);
                 let emit = || Photon::emit(&rules, &world, index).unwrap();
                 for from in 0..path.len() {
                     let mut before = Outcome::new(lamps, false);
                     let photon = passage.replay(emit(), &path[..from], &mut before).unwrap();
                     let brought = if from == 0 { Brought::from_lamp(&rules, &world, lamp) } else { photon.brings() };
                     let mut old = Outcome::new(lamps, true);
-                    replayed += passage.take_back(brought, || photon, &path, from, &mut old);
+                    replayed += passage.take_back(brought, || photon, path, from, &mut old);
                     hits += path.len() - from;
                     assert_eq!(
                         old.deposits,
