@@ -1,6 +1,6 @@
 //! Eight numbers at once: AVX2 where the processor has it, plain arrays elsewhere, with the same bits.
 //!
-//! Both round every operation by itself, but for [`Lanes::mul_sub`], which is fused where it can be: only padded boxes are tested by it.
+//! Both round every operation by itself; there is no fused multiply-add, which older machines would have to imitate.
 //! What is written once over [`Lanes`] is compiled twice, and [`widest`] chooses when it runs.
 
 /// How many.
@@ -27,8 +27,6 @@ pub trait Lanes: Copy {
     fn sub(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// a · b
     fn mul(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
-    /// a · b - c, rounded once or twice: not the same bits everywhere.
-    fn mul_sub(self, a: Self::Numbers, b: Self::Numbers, c: Self::Numbers) -> Self::Numbers;
     /// a / b
     fn div(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// The smaller; b if one is not a number.
@@ -69,7 +67,7 @@ pub trait Task {
 #[allow(unsafe_code)]
 pub fn widest<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+    if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has what the function was compiled for.
         return unsafe { avx2::run(task) };
     }
@@ -123,10 +121,6 @@ impl Lanes for Portable {
         each(|k| a[k] * b[k])
     }
     #[inline(always)]
-    fn mul_sub(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
-        each(|k| a[k] * b[k] - c[k])
-    }
-    #[inline(always)]
     fn div(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
         each(|k| a[k] / b[k])
     }
@@ -175,14 +169,14 @@ impl Lanes for Portable {
 }
 
 /// The same with intrinsics. They are unsafe to call outside of functions that are compiled for AVX2, which trait functions cannot be;
-/// an [`Avx2`](avx2::Avx2) proves that the processor has it, and FMA.
+/// an [`Avx2`](avx2::Avx2) proves that the processor has it.
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod avx2 {
     use super::{LANES, Lanes, Task};
     use std::arch::x86_64::*;
 
-    #[target_feature(enable = "avx2,fma")]
+    #[target_feature(enable = "avx2")]
     pub fn run<T: Task>(task: T) -> T::Output {
         task.run(Avx2(()))
     }
@@ -193,7 +187,7 @@ mod avx2 {
 
     macro_rules! intrinsic {
         ($call:expr) => {
-            // SAFETY: `self` was made in `run`, which may only be called where AVX2 and FMA are; loads and stores are of whole arrays, and
+            // SAFETY: `self` was made in `run`, which may only be called where AVX2 is; loads and stores are of whole arrays, and
             // what is prefetched lies within what is referred to.
             unsafe { $call }
         };
@@ -232,10 +226,6 @@ mod avx2 {
         #[inline(always)]
         fn mul(self, a: __m256, b: __m256) -> __m256 {
             intrinsic!(_mm256_mul_ps(a, b))
-        }
-        #[inline(always)]
-        fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
-            intrinsic!(_mm256_fmsub_ps(a, b, c))
         }
         #[inline(always)]
         fn div(self, a: __m256, b: __m256) -> __m256 {

@@ -56,8 +56,7 @@ pub struct Beam<'r, L: Lanes> {
     pub lanes: L,
     /// The ray itself.
     pub ray: &'r Ray<'r>,
-    /// Origin times `inverse`.
-    ahead: [L::Numbers; 3],
+    origin: [L::Numbers; 3],
     inverse: [L::Numbers; 3],
     /// Which plane of a box is entered, per axis.
     near: [usize; 3],
@@ -85,13 +84,12 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
         let inverse = inverse(ray.direction);
-        let ahead = ray.origin * inverse;
         let [x, y, z] = ray.axes;
         let near = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
         Beam {
             lanes,
             ray,
-            ahead: [lanes.splat(ahead.x), lanes.splat(ahead.y), lanes.splat(ahead.z)],
+            origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
             near: [near(0), near(1), near(2)],
             turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
@@ -100,11 +98,11 @@ impl<'r, L: Lanes> Beam<'r, L> {
         }
     }
 
-    /// Where the ray crosses eight planes: rounded otherwise on other machines, by less than boxes are padded.
+    /// Where the ray crosses eight planes.
     #[inline(always)]
     fn at(&self, planes: &Planes, plane: usize, axis: usize) -> L::Numbers {
         let l = self.lanes;
-        l.mul_sub(l.load(&planes[plane]), self.inverse[axis], self.ahead[axis])
+        l.mul(l.sub(l.load(&planes[plane]), self.origin[axis]), self.inverse[axis])
     }
 
     /// A corner of eight triangles in the ray's own coordinates.

@@ -61,11 +61,15 @@ fn bumpy(p: Vec3) -> Vec3 {
     p.normalize() * (1.0 + 0.1 * (7.0 * p.x).sin() * (5.0 * p.y).cos() + 0.05 * p.z)
 }
 
+fn world_of(scene: &str) -> World {
+    let path = format!("{}/../../scenes/{scene}/{scene}.ron", env!("CARGO_MANIFEST_DIR"));
+    World::new(&Configuration::initial(&Scene::read(path.as_ref()).unwrap().0), TreePreset::default())
+}
+
 #[test]
 fn portable_and_wide_lanes_meet_the_same() {
     for scene in ["room", "house"] {
-        let path = format!("{}/../../scenes/{scene}/{scene}.ron", env!("CARGO_MANIFEST_DIR"));
-        let world = World::new(&Configuration::initial(&Scene::read(path.as_ref()).unwrap().0), TreePreset::default());
+        let world = world_of(scene);
         let lamp = world.lamps()[0].position.as_vec3();
         let met: usize = (0..500_000u64)
             .into_par_iter()
@@ -106,6 +110,45 @@ fn a_closed_surface_lets_nothing_out() {
                 })
                 .sum();
             assert_eq!(escapes, 0, "of {} rays", triangles.len() * 90);
+        }
+    }
+}
+
+/// A million rays from about the lamps of each closed scene at every corner, the middle and another point of every edge; also a kilometre away.
+#[test]
+fn closed_scenes_let_nothing_out() {
+    for scene in ["cornell", "room", "house"] {
+        let world = world_of(scene);
+        let (surfaces, configuration) = (world.surfaces(), world.configuration());
+        let objects = configuration.objects().map(|(id, object)| (id, object.mesh.triangles.len()));
+        let home: Vec<Triangle> = objects
+            .flat_map(|(id, count)| (0..count).map(move |t| (id, t)))
+            .map(|(id, t)| surfaces.triangle(id, t).unwrap())
+            .collect();
+        for away in [Vec3::ZERO, vec3(1000.0, -700.0, 300.0)] {
+            let moved = |t: &Triangle| Triangle { corners: t.corners.map(|corner| corner + away), ..*t };
+            let triangles: Vec<Triangle> = home.iter().map(moved).collect();
+            let body = Body::new(triangles.clone(), Reach::new(away.length() + world.reach().metres), TreePreset::Medium);
+            let starts = 1_000_000u64.div_ceil(9 * triangles.len() as u64);
+            let escapes: usize = (0..starts * triangles.len() as u64)
+                .into_par_iter()
+                .map(|n| {
+                    let (start, triangle) = (n % starts, &triangles[(n / starts) as usize]);
+                    let lamps = world.lamps();
+                    let lamp = lamps[start as usize % lamps.len()].position.as_vec3() + away;
+                    let origin = if (start as usize) < lamps.len() { lamp } else { lamp + (point(start) - 0.5) * 0.04 };
+                    let mut escapes = 0;
+                    for k in 0..3 {
+                        let (a, b) = (triangle.corners[k], triangle.corners[(k + 1) % 3]);
+                        for along in [0.0, 0.5, random(3 * n + k as u64)] {
+                            let ray = Ray::new(origin, a.lerp(b, along) - origin, None, 0.0);
+                            escapes += usize::from(widest(First(&body, &ray)).is_none());
+                        }
+                    }
+                    escapes
+                })
+                .sum();
+            assert_eq!(escapes, 0, "{scene}, {away} away, of {} rays", starts * 9 * triangles.len() as u64);
         }
     }
 }
