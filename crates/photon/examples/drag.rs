@@ -35,6 +35,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+type Fallible<T> = Result<T, Box<dyn Error>>;
+
 /// A pose of the drag.
 struct Step {
     at: f64,
@@ -61,7 +63,7 @@ const LOOKS: f64 = 20.0;
 /// Nobody waits longer for a curve to end, seconds.
 const LONGEST: f64 = 90.0;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Fallible<()> {
     let mut arguments = std::env::args().skip(1);
     let usage = "which scene, and which moves? --example drag -- SCENE MOVES [PHOTONS] [OUT]";
     let (scene, moves) = (arguments.next().ok_or(usage)?, arguments.next().ok_or(usage)?);
@@ -112,7 +114,7 @@ fn error(step: &Step, values: &[[f32; 3]]) -> f64 {
 }
 
 /// The drained light of every pose; first what the last pose's camera sees of the light before the drag.
-fn poses(scene: &Arc<Scene>, moves: &Moves, pool: Pool) -> Result<(Vec<[f32; 3]>, Vec<Step>), Box<dyn Error>> {
+fn poses(scene: &Arc<Scene>, moves: &Moves, pool: Pool) -> Fallible<(Vec<[f32; 3]>, Vec<Step>)> {
     let (_, view) = scene.cameras.first().ok_or("the scene has no camera")?;
     let mut configuration = Configuration::initial(scene);
     let world = Arc::new(World::new(&configuration, TreePreset::default()));
@@ -137,7 +139,7 @@ fn poses(scene: &Arc<Scene>, moves: &Moves, pool: Pool) -> Result<(Vec<[f32; 3]>
 }
 
 /// Plays the steps by the clock: seconds and visible error, and when the light was exact.
-fn play(scene: &Arc<Scene>, steps: &[Step], pool: Pool, way: Way) -> Result<(Vec<(f64, f64)>, f64), Box<dyn Error>> {
+fn play(scene: &Arc<Scene>, steps: &[Step], pool: Pool, way: Way) -> Fallible<(Vec<(f64, f64)>, f64)> {
     let settings = Settings {
         pool,
         first_hits: FirstHits::AsLampsSay,

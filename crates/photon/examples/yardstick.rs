@@ -242,7 +242,8 @@ fn main() -> Result<()> {
                 let over = |other: usize, rate: fn(&Rate) -> f64| {
                     median(rates.iter().zip(&all[other]).map(|(a, b)| rate(a) / rate(b)).collect())
                 };
-                let (wall, processor): (fn(&Rate) -> f64, fn(&Rate) -> f64) = (|r| r.wall, |r| r.processor);
+                let wall: fn(&Rate) -> f64 = |rate| rate.wall;
+                let processor: fn(&Rate) -> f64 = |rate| rate.processor;
                 println!(
                     "  {side:12} {:6.2} = {:.2} x intersect1 = {:.2} x intersect8; a processor second {:6.2} = {:.2} = {:.2}",
                     median_of(wall),
