@@ -49,8 +49,6 @@ pub trait Lanes: Copy {
     fn but_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Bit k for number k.
     fn bits(self, a: Self::Mask) -> u32;
-    /// Asks for something that will soon be needed.
-    fn prefetch<T>(self, what: &T);
 }
 
 /// Something that is done the faster the wider the lanes are.
@@ -164,8 +162,6 @@ impl Lanes for Portable {
     fn bits(self, a: u32) -> u32 {
         a
     }
-    #[inline(always)]
-    fn prefetch<T>(self, _: &T) {}
 }
 
 /// The same with intrinsics. They are unsafe to call outside of functions that are compiled for AVX2, which trait functions cannot be;
@@ -187,8 +183,7 @@ mod avx2 {
 
     macro_rules! intrinsic {
         ($call:expr) => {
-            // SAFETY: `self` was made in `run`, which may only be called where AVX2 is; loads and stores are of whole arrays, and
-            // what is prefetched lies within what is referred to.
+            // SAFETY: `self` was made in `run`, which may only be called where AVX2 is; loads and stores are of whole arrays.
             unsafe { $call }
         };
     }
@@ -274,12 +269,6 @@ mod avx2 {
         #[inline(always)]
         fn bits(self, a: __m256) -> u32 {
             intrinsic!(_mm256_movemask_ps(a)) as u32
-        }
-        #[inline(always)]
-        fn prefetch<T>(self, what: &T) {
-            for line in (0..size_of::<T>()).step_by(64) {
-                intrinsic!(_mm_prefetch::<_MM_HINT_T0>((&raw const *what).cast::<i8>().add(line)));
-            }
         }
     }
 }

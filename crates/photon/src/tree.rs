@@ -306,8 +306,6 @@ impl Visit for First<'_, '_> {
     fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
         let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
         for hit in met.hits(block, self.triangles) {
-            // The photon will soon ask for it.
-            beam.lanes.prefetch(hit.triangle);
             if beam.ray.prefers(&hit, self.best, self.left.differs_from(hit.triangle)) {
                 *self.best = Some(hit);
             }
