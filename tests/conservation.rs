@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 use lightmend_photon::{
-    path::{End, FirstHits, Record, Tally, reflectance, trace},
+    path::{End, FirstHits, Record, reflectance, trace},
     pool::PhotonIndex,
+    record::Tally,
     triangle::Hit,
     world::World,
 };

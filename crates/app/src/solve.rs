@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::write(path, |file| buckets.dump(solution.world().configuration(), file))?;
     }
     let tallies = solution.tallies();
-    let total = |f: fn(&lightmend_photon::path::Tally) -> i64| tallies.iter().map(f).sum::<i64>();
+    let total = |f: fn(&lightmend_photon::record::Tally) -> i64| tallies.iter().map(f).sum::<i64>();
     let threads = rayon::current_num_threads();
     let summary = json!({
         "scene": scene.name, "photons": photons, "resumed_from": before, "threads": threads, "rays": rays, "seconds": seconds, "tree_seconds": built,

@@ -7,7 +7,6 @@
 //! `drag.tsv` into OUT (`out`). Threads: all cores; nothing is drawn meanwhile.
 
 #[path = "support/chart.rs"]
-#[allow(dead_code, reason = "shared with the seed's figures, which also use dashes")]
 mod chart;
 #[path = "support/picture.rs"]
 #[allow(dead_code, reason = "shared, with more colours")]
@@ -54,8 +53,11 @@ enum Way {
     Restart,
 }
 
-const WAYS: [(Way, &str, plotters::style::RGBColor); 3] =
-    [(Way::Ledger, "ledger", BLUE), (Way::Stateless, "stateless", GREEN), (Way::Restart, "restart", RED)];
+const WAYS: [(Way, &str, plotters::style::RGBColor, Stroke); 3] = [
+    (Way::Ledger, "ledger", BLUE, Stroke::Solid),
+    (Way::Stateless, "stateless", GREEN, Stroke::Dashed),
+    (Way::Restart, "restart", RED, Stroke::Dotted),
+];
 
 /// Looks a second.
 const LOOKS: f64 = 20.0;
@@ -78,7 +80,7 @@ fn main() -> Fallible<()> {
 
     let mut curves = Vec::new();
     let mut table = String::from("way\tseconds\tvisible_error\n");
-    for (way, name, colour) in WAYS {
+    for (way, name, colour, stroke) in WAYS {
         let (points, exact) = play(&scene, &steps, pool, way)?;
         let dragging = points.iter().filter(|(at, _)| *at <= steps[steps.len() - 1].at);
         let mean = dragging.clone().map(|(_, error)| error).sum::<f64>() / dragging.count().max(1) as f64;
@@ -94,7 +96,7 @@ fn main() -> Fallible<()> {
             writeln!(table, "{name}\t{at:.3}\t{error:.6}")?;
         }
         let points = points.into_iter().map(|(at, error)| (at, 100.0 * error / whole)).collect();
-        curves.push(Curve { name: name.into(), colour, stroke: Stroke::Solid, points });
+        curves.push(Curve { name: name.into(), colour, stroke, points });
     }
     let panel = Panel {
         title: format!("{}, dragged for {:.1} s, {photons} photons", scene.name, steps[steps.len() - 1].at),

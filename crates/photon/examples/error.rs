@@ -9,8 +9,9 @@ use lightmend_photon::{
     bucket::Buckets,
     halton::Scrambling,
     irradiance::Scale,
-    path::{FirstHits, Outcome, Rules, trace},
+    path::{FirstHits, Rules, trace},
     pool::{PhotonIndex, Pool},
+    record::Outcome,
     solution::Solution,
     world::World,
 };

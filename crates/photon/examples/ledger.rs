@@ -5,17 +5,16 @@
 //! scanned for. Medians of ROUNDS (5) in turn, of
 //! processor time and by the clock; threads by `RAYON_NUM_THREADS`. Only ratios carry over to another machine or moment.
 
+#[path = "support/times.rs"]
+mod times;
+
 use lightmend_photon::{
-    body::TreePreset,
-    halton::Scrambling,
-    ledger::LedgerSolution,
-    path::FirstHits,
-    pool::Pool,
-    solution::{Solution, Work},
-    world::World,
+    body::TreePreset, halton::Scrambling, ledger::LedgerSolution, path::FirstHits, pool::Pool, shooting::Work,
+    solution::Solution, world::World,
 };
 use lightmend_scene::{Configuration, Edit, Moves, Scene};
-use std::{error::Error, sync::Arc, time::Instant};
+use std::{error::Error, sync::Arc};
+use times::{median, timed};
 
 type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -48,30 +47,6 @@ fn main() -> Fallible<()> {
     } else {
         script(ledger, pool, &Moves::read(moves.as_ref(), &scene)?.0, rounds)
     }
-}
-
-/// Seconds by the clock and of the processor.
-type Seconds = [f64; 2];
-
-/// What all threads have computed so far, seconds; none where the system does not tell.
-fn computed() -> f64 {
-    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let of_thread = |thread: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
-        text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0)
-    };
-    threads.map(of_thread).sum::<f64>() * 1e-9
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
-    let (start, before) = (Instant::now(), computed());
-    let result = work();
-    ([start.elapsed().as_secs_f64(), computed() - before], result)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// A solution from nothing, and its rays.

@@ -10,6 +10,9 @@
 //! and diagrams; Embree's photons then have the reflectance that makes their paths as long, and still no diagrams. "same photons": ours
 //! with Embree's hash in place of Halton, index order and one ray at a time; hits and checksum show that the paths are the same.
 
+#[path = "support/times.rs"]
+mod times;
+
 use lightmend_photon::{
     body::TreePreset,
     halton::Scrambling,
@@ -30,8 +33,8 @@ use std::{
     path::Path,
     process::Command,
     sync::Arc,
-    time::Instant,
 };
+use times::{Seconds, median, timed};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -70,14 +73,6 @@ fn export(world: &World, path: &Path) -> Result<Vec<u64>> {
     Ok(first)
 }
 
-/// Seconds of processor time so far; not a number where the system does not say.
-fn processor_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let ticks = |n: usize| stat.rsplit(')').next()?.split_whitespace().nth(n)?.parse::<f64>().ok();
-    // Hundredths of a second in user and in system mode.
-    ticks(11).zip(ticks(12)).map_or(f64::NAN, |(user, system)| (user + system) / 100.0)
-}
-
 /// Millions of rays a second.
 #[derive(Debug, Clone, Copy, Default)]
 struct Rate {
@@ -86,8 +81,8 @@ struct Rate {
 }
 
 impl Rate {
-    fn of(rays: u64, start: (Instant, f64)) -> Rate {
-        let [wall, processor] = [start.0.elapsed().as_secs_f64(), processor_seconds() - start.1].map(|s| rays as f64 / s / 1e6);
+    fn of(rays: u64, seconds: Seconds) -> Rate {
+        let [wall, processor] = seconds.map(|s| rays as f64 / s / 1e6);
         Rate { wall, processor }
     }
 }
@@ -119,14 +114,14 @@ fn embree(program: &str, obj: &Path, mode: &str, photons: u64, threads: usize, r
 
 fn ours(world: &Arc<World>, photons: u64) -> Result<Run> {
     let pool = Pool::new(photons, 288, 16, Scrambling::Seed(1))?;
-    let start = (Instant::now(), processor_seconds());
     let mut rays = 0;
-    Solution::shoot(pool, world.clone(), FirstHits::Always, &mut |_, more| {
+    let mut count = |_, more| {
         rays += more;
         true
-    })
-    .ok_or("nothing was shot")?;
-    Ok(Run { rate: Rate::of(rays, start), rays, ..Run::default() })
+    };
+    let (seconds, shot) = timed(|| Solution::shoot(pool, world.clone(), FirstHits::Always, &mut count));
+    shot.ok_or("nothing was shot")?;
+    Ok(Run { rate: Rate::of(rays, seconds), rays, ..Run::default() })
 }
 
 /// Two numbers in [0, 1) for a photon and a segment of its path: splitmix64.
@@ -171,29 +166,26 @@ fn same_photons(world: &World, first: &[u64], photons: u64) -> Run {
         }
     };
     let triangles = world.configuration().objects().map(|(_, object)| object.mesh.triangles.len()).sum();
-    let start = (Instant::now(), processor_seconds());
-    let chunks = (0..photons.div_ceil(4096)).into_par_iter();
-    let run = chunks
-        .fold(
-            || (Run::default(), vec![0.0; triangles]),
-            |(mut run, mut deposits), chunk| {
-                (chunk * 4096..photons.min((chunk + 1) * 4096)).for_each(|photon| follow(photon, &mut run, &mut deposits));
-                (run, deposits)
-            },
-        )
-        .map(|(run, _)| run)
-        .reduce(Run::default, |a, b| Run {
-            rate: Rate::default(),
-            rays: a.rays + b.rays,
-            hits: a.hits + b.hits,
-            checksum: a.checksum + b.checksum,
-        });
-    Run { rate: Rate::of(run.rays, start), ..run }
-}
-
-fn median(mut numbers: Vec<f64>) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
+    let trace = || {
+        (0..photons.div_ceil(4096))
+            .into_par_iter()
+            .fold(
+                || (Run::default(), vec![0.0; triangles]),
+                |(mut run, mut deposits), chunk| {
+                    (chunk * 4096..photons.min((chunk + 1) * 4096)).for_each(|photon| follow(photon, &mut run, &mut deposits));
+                    (run, deposits)
+                },
+            )
+            .map(|(run, _)| run)
+            .reduce(Run::default, |a, b| Run {
+                rate: Rate::default(),
+                rays: a.rays + b.rays,
+                hits: a.hits + b.hits,
+                checksum: a.checksum + b.checksum,
+            })
+    };
+    let (seconds, run) = timed(trace);
+    Run { rate: Rate::of(run.rays, seconds), ..run }
 }
 
 fn main() -> Result<()> {

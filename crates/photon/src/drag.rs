@@ -9,7 +9,8 @@ use crate::{
     irradiance::Scale,
     ledger::LedgerSolution,
     recovery::Order,
-    solution::{Shooting, Solution},
+    shooting::Shooting,
+    solution::Solution,
     visible::{Frustum, Visible},
     world::World,
 };

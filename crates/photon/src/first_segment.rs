@@ -60,7 +60,8 @@ mod tests {
     use crate::{
         body::TreePreset,
         halton::Scrambling,
-        path::{FirstHits, Outcome, Touched, Watch, trace_both},
+        path::{FirstHits, Touched, trace_both},
+        record::{Outcome, Watch},
         solution::Solution,
     };
     use glam::DVec3;

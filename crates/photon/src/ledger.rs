@@ -22,9 +22,11 @@ mod swarm;
 use crate::{
     bucket::Buckets,
     hash::shuffle,
-    path::{FirstHits, Outcome, Rules, Tally},
+    path::{FirstHits, Rules},
     pool::Pool,
-    solution::{CLASSES, Shooting, Solution, Work, in_class},
+    record::{Outcome, Tally},
+    shooting::{CLASSES, Shooting, Work, in_class},
+    solution::Solution,
     visible::Frustum,
     wave::trace_apart,
     world::World,
@@ -195,7 +197,7 @@ impl LedgerSolution {
         if self.growing.len() as u64 == CLASSES {
             let number = self.chunks.len() as u32;
             for (outcome, held) in std::mem::take(&mut self.growing) {
-                gather(&mut self.buckets, &mut self.tallies, &outcome);
+                outcome.add_to(&mut self.buckets, &mut self.tallies);
                 if held.right_in != newest {
                     self.unscanned += 1;
                     self.outstanding += held.photons();
@@ -209,11 +211,6 @@ impl LedgerSolution {
             self.ends.push(slab.end);
         }
         Ok(work)
-    }
-
-    /// The pool that was shot so far would be this one; `None` if that is less than the groups need.
-    pub fn pool(&self) -> Option<Pool> {
-        self.pool.grown(self.photons()).shrunk(self.photons())
     }
 
     /// Photons shot.
@@ -351,9 +348,4 @@ impl Debug for LedgerSolution {
     fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
         f.debug_struct("LedgerSolution").field("pool", &self.pool).field("bytes", &self.bytes()).finish_non_exhaustive()
     }
-}
-
-fn gather(buckets: &mut Buckets, tallies: &mut [Tally], outcome: &Outcome) {
-    buckets.add(&outcome.deposits);
-    tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
 }

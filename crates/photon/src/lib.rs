@@ -1,9 +1,9 @@
 //! Light that leaves the lamps and lands in mesh elements. CPU, no pictures.
 //!
 //! Follow one photon: its index becomes random numbers ([`halton`]), which choose a lamp ([`emission`]) and, at every hit
-//! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`]); each hit deposits integer energy in a mesh
+//! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`], many side by side: `wave.rs`); each hit deposits ([`record`]) integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
-//! ([`mod@vertex_irradiance`]). A [`pool`] of photons is shot and, after edits, repaired group by group ([`solution`]: Algorithm 1
+//! ([`mod@vertex_irradiance`]). A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
 //! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
 //! by a camera: [`visible`]).
 //!
@@ -39,9 +39,11 @@ pub mod ledger;
 pub mod path;
 pub mod pool;
 pub mod probe;
+pub mod record;
 pub mod recovery;
 pub mod sampling;
 pub mod saved;
+pub mod shooting;
 pub mod solution;
 pub mod solver;
 mod split;

@@ -6,9 +6,11 @@
 use crate::{
     hash::shuffle,
     ledger::LedgerSolution,
-    path::{FirstHits, Rules, Trail, trace},
+    path::{FirstHits, Rules, trace},
     pool::{PhotonIndex, Pool},
-    solution::{Solution, Work},
+    record::Trail,
+    shooting::Work,
+    solution::Solution,
     world::World,
 };
 use rayon::prelude::*;

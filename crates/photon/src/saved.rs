@@ -7,7 +7,8 @@
 use crate::{
     bucket::{Address, Bucket, Buckets},
     halton::Scrambling,
-    path::{FirstHits, Tally},
+    path::FirstHits,
+    record::Tally,
 };
 use lightmend_scene::Configuration;
 use std::{

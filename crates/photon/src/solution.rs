@@ -13,37 +13,19 @@ use crate::{
     bucket::Buckets,
     first_segment::FirstSegments,
     hash::shuffle,
-    path::{FirstHits, Outcome, Rules, Tally, Touched, Watch, trace_both},
+    path::{FirstHits, Rules, Touched, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
+    record::{Outcome, Tally, Watch},
     saved::Saved,
+    shooting::{Shooting, Work},
     visible::Frustum,
-    wave::trace_each,
     world::{Difference, World},
 };
 use rayon::prelude::*;
-use std::{
-    ops::{AddAssign, Range},
-    sync::Arc,
-};
+use std::sync::Arc;
 
 /// Photons that one task traces in a row.
 const TASK: u64 = 512;
-
-/// Work done: what a fair comparison counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Work {
-    /// Photons traced (one that is re-shot counts once).
-    pub photons: u64,
-    /// Rays through the trees.
-    pub rays: u64,
-}
-
-impl AddAssign for Work {
-    fn add_assign(&mut self, more: Work) {
-        self.photons += more.photons;
-        self.rays += more.rays;
-    }
-}
 
 /// What `Solution` keeps of a world that groups were shot at.
 #[derive(Clone)]
@@ -132,9 +114,8 @@ impl Solution {
     /// more was saved than the pool holds.
     pub fn resume(pool: Pool, world: Arc<World>, saved: Saved, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
         let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits: saved.first_hits });
-        let mut shooting = Shooting::new(rules, world);
-        (shooting.buckets, shooting.tallies) = (saved.buckets, saved.tallies);
-        shooting.work.photons = saved.photons;
+        let shot = Work { photons: saved.photons, rays: 0 };
+        let shooting = Shooting::of(rules, world, saved.buckets, saved.tallies, shot);
         (saved.photons <= pool.photons()).then(|| Solution::finish(pool, shooting, progress))?
     }
 
@@ -411,8 +392,7 @@ impl Solution {
         let mut findings = Vec::new();
         for (old, new, rays, found) in tasks {
             for outcome in [old, new] {
-                self.buckets.add(&outcome.deposits);
-                self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
+                outcome.add_to(&mut self.buckets, &mut self.tallies);
                 work.rays += outcome.rays;
             }
             work.rays += rays;
@@ -434,108 +414,4 @@ impl Solution {
             self.settle(GroupId(group));
         }
     }
-}
-
-/// Photons of one residue class in a row: they leave a lamp in nearly the same direction and visit the same nodes of the trees.
-pub(crate) const CLASSES: u64 = 288;
-
-/// A pool while it is shot for the first time: any prefix of it is a valid estimate.
-#[derive(Clone)]
-pub struct Shooting {
-    rules: Arc<Rules>,
-    world: Arc<World>,
-    buckets: Buckets,
-    tallies: Vec<Tally>,
-    /// Work so far.
-    pub work: Work,
-    spare: Spare,
-}
-
-/// What classes of photons left behind in the last slab, empty: its memory serves the next one.
-#[derive(Default)]
-struct Spare(Vec<Outcome>);
-
-impl Clone for Spare {
-    fn clone(&self) -> Spare {
-        Spare::default()
-    }
-}
-
-impl Shooting {
-    /// Nothing shot yet.
-    pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
-        let buckets = Buckets::new(world.configuration());
-        let tallies = vec![Tally::default(); world.configuration().lamp_slots()];
-        Shooting { rules, world, buckets, tallies, work: Work::default(), spare: Spare::default() }
-    }
-
-    /// Photons shot so far; their indices are the first ones.
-    pub fn photons(&self) -> u64 {
-        self.work.photons
-    }
-
-    /// How many photons to shoot between two looks at the clock.
-    pub const SLAB: u64 = CLASSES * 256;
-
-    /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
-    pub const LEAST: u64 = CLASSES;
-
-    /// What is shot at.
-    pub fn world(&self) -> &Arc<World> {
-        &self.world
-    }
-
-    /// The light so far.
-    pub fn buckets(&self) -> &Buckets {
-        &self.buckets
-    }
-
-    /// Goes on in a world that differs from its own in nothing that photons meet: lamps that were dimmed, say.
-    pub fn change(&mut self, world: Arc<World>) {
-        self.buckets.grow(world.configuration());
-        self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
-        self.world = world;
-    }
-
-    /// Shoots the next `count` photons.
-    pub fn shoot(&mut self, count: u64) {
-        let first = self.work.photons;
-        let indices = first..first + count;
-        if self.tallies.is_empty() {
-            self.work.photons += count;
-            return;
-        }
-        let mut spare = std::mem::take(&mut self.spare);
-        spare.0.resize_with(CLASSES as usize, || Outcome::new(0, false));
-        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| self.trace_class(indices.clone(), class as u64, outcome));
-        for outcome in &spare.0 {
-            self.buckets.add(&outcome.deposits);
-            self.tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
-            self.work.rays += outcome.rays;
-        }
-        self.spare = spare;
-        self.work.photons += count;
-    }
-
-    fn trace_class(&self, indices: Range<u64>, class: u64, outcome: &mut Outcome) {
-        outcome.clear(self.tallies.len());
-        trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), outcome);
-    }
-
-    /// Light that came about otherwise: what a whole pool brought.
-    pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
-        Shooting { rules, world, buckets, tallies, work, spare: Spare::default() }
-    }
-}
-
-/// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one
-/// sequence stay at hand.
-pub(crate) fn in_class(indices: Range<u64>, class: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
-    let shift = copies.ilog2();
-    (0..1u64 << shift).flat_map(move |copy| {
-        let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
-        let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
-        let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
-        (first..end).step_by(CLASSES as usize).map(move |point| PhotonIndex(point << shift | copy))
-    })
 }

@@ -14,7 +14,7 @@ mod light;
 mod worker;
 
 use crate::{
-    bucket::Buckets, courtesy, irradiance::Scale, ledger::Refused, path::FirstHits, pool::Pool, solution::Work, world::World,
+    bucket::Buckets, courtesy, irradiance::Scale, ledger::Refused, path::FirstHits, pool::Pool, shooting::Work, world::World,
 };
 use lightmend_scene::{Configuration, View};
 use std::{

@@ -107,7 +107,8 @@ mod tests {
         body::TreePreset,
         halton::{Scrambling, Sequence},
         lanes::Portable,
-        path::{FirstHits, Outcome, trace},
+        path::{FirstHits, trace},
+        record::Outcome,
     };
     use lightmend_scene::{Configuration, Edit, Scene};
     use rayon::prelude::*;

@@ -185,10 +185,10 @@ impl Still {
 
     /// Those that still stand so; `None` if something is gone that cannot move.
     fn reduced(&self, before: &Configuration, after: &Configuration, reach: Reach) -> Option<Still> {
-        let (stay, gone): (Vec<_>, Vec<_>) = self.objects.iter().cloned().partition(|standing| standing.stands(after));
-        if gone.is_empty() {
+        if self.objects.iter().all(|standing| standing.stands(after)) {
             return Some(self.clone());
         }
+        let (stay, gone): (Vec<_>, Vec<_>) = self.objects.iter().cloned().partition(|standing| standing.stands(after));
         if gone.iter().any(|standing| !before.object(standing.id).dynamic) {
             return None;
         }

@@ -15,6 +15,8 @@ mod plots;
 mod point;
 mod process;
 mod scenes;
+#[path = "../support/times.rs"]
+mod times;
 
 use measure::{BUDGET, Row, measure};
 use point::Point;

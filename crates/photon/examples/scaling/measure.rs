@@ -2,8 +2,9 @@
 
 use crate::{
     point::{Grown, Point},
-    process::{Times, median, memory},
+    process::{Times, memory},
     scenes,
+    times::median,
 };
 use lightmend_photon::{
     body::TreePreset,
@@ -12,7 +13,8 @@ use lightmend_photon::{
     ledger::LedgerSolution,
     path::FirstHits,
     pool::Pool,
-    solution::{Solution, Work},
+    shooting::Work,
+    solution::Solution,
     world::World,
 };
 use lightmend_scene::Configuration;
@@ -121,7 +123,7 @@ fn edit(ledger: &mut LedgerSolution, configurations: &[Configuration; 2], rounds
     }
     // A frame takes up an edit, scans a slice, asks how far it is and repairs a step.
     let frame = [&moving, &changing, &slicing, &asking, &stepping];
-    let mut row = vec![("marked".into(), median(&marks)), ("wrong".into(), median(&parted)), ("rays".into(), median(&rays))];
+    let mut row = vec![("marked".into(), median(marks)), ("wrong".into(), median(parted)), ("rays".into(), median(rays))];
     let steps: [(&str, &[&Times]); 7] = [
         ("moved", &[&moving]),
         ("change", &[&changing]),

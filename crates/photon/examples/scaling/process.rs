@@ -1,7 +1,7 @@
-//! What the kernel says of this process: its memory, proc(5), and its time.
+//! What the kernel says of this process' memory, proc(5), and how long the same work takes again and again.
 
-use rustix::time::{ClockId, clock_gettime};
-use std::{error::Error, fs::read_to_string, time::Instant};
+use crate::times::{Seconds, median, timed};
+use std::{error::Error, fs::read_to_string};
 
 /// Memory, bytes: `VmRSS` is what is resident, `VmHWM` the most that ever was.
 pub fn memory(field: &str) -> Result<f64, Box<dyn Error>> {
@@ -11,43 +11,25 @@ pub fn memory(field: &str) -> Result<f64, Box<dyn Error>> {
     Ok(kilobytes.parse::<f64>()? * 1024.0)
 }
 
-/// Seconds that all threads of this process have run.
-fn processor_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
-/// Runs of the same work, seconds.
+/// Runs of the same work.
 #[derive(Default)]
-pub struct Times {
-    wall: Vec<f64>,
-    processor: Vec<f64>,
-}
+pub struct Times(Vec<Seconds>);
 
 impl Times {
     /// Does it once more.
     pub fn run<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let (processor, wall) = (processor_seconds(), Instant::now());
-        let result = work();
-        self.wall.push(wall.elapsed().as_secs_f64());
-        self.processor.push(processor_seconds() - processor);
+        let (seconds, result) = timed(work);
+        self.0.push(seconds);
         result
     }
 
     /// Median of what the clock said.
     pub fn wall(&self) -> f64 {
-        median(&self.wall)
+        median(self.0.iter().map(|[wall, _]| *wall).collect())
     }
 
     /// Median of all processors together.
     pub fn processor(&self) -> f64 {
-        median(&self.processor)
+        median(self.0.iter().map(|[_, processor]| *processor).collect())
     }
-}
-
-/// The middle one, or the later of two.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -2,8 +2,9 @@
 //! of one repair by Algorithm 1 (Dmitriev et al. 2002, §5.2).
 
 use lightmend_photon::{
-    path::{Rules, Touched, Trail, Watch, trace, trace_both},
+    path::{Rules, Touched, trace, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
+    record::{Trail, Watch},
     solution::Solution,
     world::World,
 };

@@ -5,7 +5,7 @@
 //! mark of where a path begins.
 
 use super::grid::Place;
-use crate::solution::{CLASSES, Shooting};
+use crate::shooting::{CLASSES, Shooting};
 
 /// Photons in a chunk: those of one residue class in one slab of the pool.
 pub const PHOTONS: usize = (Shooting::SLAB / CLASSES) as usize;

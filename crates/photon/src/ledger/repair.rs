@@ -3,15 +3,14 @@
 use super::{
     LedgerSolution,
     chunk::{Chunk, Entry, Loose, PHOTONS},
-    gather,
     held::{Held, Past},
     replay::{Clerk, Drafts, Passage, Recorder},
     scan::Marks,
 };
 use crate::{
-    path::Outcome,
     pool::PhotonIndex,
-    solution::{CLASSES, Work, in_class},
+    record::Outcome,
+    shooting::{CLASSES, Work, in_class},
     wave::follow_apart,
 };
 use rayon::prelude::*;
@@ -77,7 +76,7 @@ impl LedgerSolution {
         let mut mended = Mended::default();
         for repair in repairs {
             for outcome in [&repair.old, &repair.new] {
-                gather(&mut self.buckets, &mut self.tallies, outcome);
+                outcome.add_to(&mut self.buckets, &mut self.tallies);
             }
             mended.work += Work { photons: repair.parted, rays: repair.new.rays };
             mended.replayed += repair.replayed;

@@ -14,8 +14,9 @@ use super::{
 };
 use crate::{
     bucket::Address,
-    path::{Brought, End, LONGEST_PATH, Outcome, Photon, Record, Rules, Watch, cell, reflectance},
+    path::{Brought, End, LONGEST_PATH, Photon, Record, Rules, cell, reflectance},
     pool::PhotonIndex,
+    record::{Outcome, Watch},
     triangle::{Hit, Ray, Triangle},
     wave::Log,
     world::{Crowd, Difference, World},

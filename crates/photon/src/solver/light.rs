@@ -5,7 +5,8 @@ use crate::{
     ledger::{LedgerSolution, Refused},
     path::Rules,
     pool::Pool,
-    solution::{CLASSES, Shooting, Solution, Work},
+    shooting::{CLASSES, Shooting, Work},
+    solution::Solution,
     world::World,
 };
 use std::sync::Arc;

@@ -10,7 +10,7 @@ use crate::{
     irradiance::{Scale, spread},
     ledger::{LedgerSolution, Refused},
     path::Rules,
-    solution::{Shooting, Work},
+    shooting::{Shooting, Work},
     visible::Frustum,
     world::World,
 };

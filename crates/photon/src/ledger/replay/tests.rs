@@ -1,7 +1,9 @@
 //! The light that is taken back by the record is the light that was left.
 
 use super::*;
-use crate::{body::TreePreset, bucket::Deposit, halton::Scrambling, path::FirstHits, path::Tally, pool::Pool, wave::trace_apart};
+use crate::{
+    body::TreePreset, bucket::Deposit, halton::Scrambling, path::FirstHits, pool::Pool, record::Tally, wave::trace_apart,
+};
 use lightmend_scene::{Configuration, Scene};
 
 /// What a hit left, and that it is taken back.

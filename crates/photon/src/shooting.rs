@@ -1,0 +1,134 @@
+//! Shooting a pool for the first time, slab by slab and class by class.
+
+use crate::{
+    bucket::Buckets,
+    path::Rules,
+    pool::PhotonIndex,
+    record::{Outcome, Tally},
+    wave::trace_each,
+    world::World,
+};
+use rayon::prelude::*;
+use std::{
+    ops::{AddAssign, Range},
+    sync::Arc,
+};
+
+/// Work done: what a fair comparison counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Photons traced (one that is re-shot counts once).
+    pub photons: u64,
+    /// Rays through the trees.
+    pub rays: u64,
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, more: Work) {
+        self.photons += more.photons;
+        self.rays += more.rays;
+    }
+}
+
+/// Photons of one residue class in a row: they leave a lamp in nearly the same direction and visit the same nodes of the trees.
+pub(crate) const CLASSES: u64 = 288;
+
+/// A pool while it is shot for the first time: any prefix of it is a valid estimate.
+#[derive(Clone)]
+pub struct Shooting {
+    pub(crate) rules: Arc<Rules>,
+    pub(crate) world: Arc<World>,
+    pub(crate) buckets: Buckets,
+    pub(crate) tallies: Vec<Tally>,
+    /// Work so far.
+    pub work: Work,
+    spare: Spare,
+}
+
+/// What classes of photons left behind in the last slab, empty: its memory serves the next one.
+#[derive(Default)]
+struct Spare(Vec<Outcome>);
+
+impl Clone for Spare {
+    fn clone(&self) -> Spare {
+        Spare::default()
+    }
+}
+
+impl Shooting {
+    /// Nothing shot yet.
+    pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
+        let buckets = Buckets::new(world.configuration());
+        let tallies = vec![Tally::default(); world.configuration().lamp_slots()];
+        Shooting { rules, world, buckets, tallies, work: Work::default(), spare: Spare::default() }
+    }
+
+    /// Photons shot so far; their indices are the first ones.
+    pub fn photons(&self) -> u64 {
+        self.work.photons
+    }
+
+    /// How many photons to shoot between two looks at the clock.
+    pub const SLAB: u64 = CLASSES * 256;
+
+    /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
+    pub const LEAST: u64 = CLASSES;
+
+    /// What is shot at.
+    pub fn world(&self) -> &Arc<World> {
+        &self.world
+    }
+
+    /// The light so far.
+    pub fn buckets(&self) -> &Buckets {
+        &self.buckets
+    }
+
+    /// Goes on in a world that differs from its own in nothing that photons meet: lamps that were dimmed, say.
+    pub fn change(&mut self, world: Arc<World>) {
+        self.buckets.grow(world.configuration());
+        self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
+        self.world = world;
+    }
+
+    /// Shoots the next `count` photons.
+    pub fn shoot(&mut self, count: u64) {
+        let first = self.work.photons;
+        let indices = first..first + count;
+        if self.tallies.is_empty() {
+            self.work.photons += count;
+            return;
+        }
+        let mut spare = std::mem::take(&mut self.spare);
+        spare.0.resize_with(CLASSES as usize, || Outcome::new(0, false));
+        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| self.trace_class(indices.clone(), class as u64, outcome));
+        for outcome in &spare.0 {
+            outcome.add_to(&mut self.buckets, &mut self.tallies);
+            self.work.rays += outcome.rays;
+        }
+        self.spare = spare;
+        self.work.photons += count;
+    }
+
+    fn trace_class(&self, indices: Range<u64>, class: u64, outcome: &mut Outcome) {
+        outcome.clear(self.tallies.len());
+        trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), outcome);
+    }
+
+    /// Light that came about otherwise: what `work.photons` photons brought.
+    pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
+        Shooting { rules, world, buckets, tallies, work, spare: Spare::default() }
+    }
+}
+
+/// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one
+/// sequence stay at hand.
+pub(crate) fn in_class(indices: Range<u64>, class: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
+    let shift = copies.ilog2();
+    (0..1u64 << shift).flat_map(move |copy| {
+        let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
+        let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
+        let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
+        (first..end).step_by(CLASSES as usize).map(move |point| PhotonIndex(point << shift | copy))
+    })
+}
