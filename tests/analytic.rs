@@ -226,11 +226,12 @@ fn coincident_surfaces_share_the_light_of_their_place() {
         let scene = builder.build(&[]);
         let world = world(&scene);
         let solution = shoot(pool(photons), &world, FirstHits::Never);
-        let scale = Scale::new(&world, photons);
+        let (shapes, scale) = (Shapes::of(world.configuration()), Scale::new(&world, photons));
+        let light = Reconstruction::new(&shapes, world.configuration(), solution.buckets(), &scale, 1);
         // One point in each of the four triangles that both cuts make; together they weigh all elements.
         [(1.0, 0.5), (1.5, 1.0), (1.0, 1.6), (0.4, 1.0)]
             .map(|(x, y)| probe::locate(&world, corner(x, y), DVec3::Z).unwrap())
-            .map(|place| probe::read(&world, solution.buckets(), &scale, &place).indirect.value.x)
+            .map(|place| probe::read(&world, &light, &place).indirect.value.x)
             .iter()
             .sum::<f64>()
     };

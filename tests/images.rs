@@ -5,7 +5,11 @@
 
 use image::RgbImage;
 use lightmend_perception::{GoldenError, check_against_golden};
-use lightmend_photon::{irradiance::Scale, path::FirstHits, vertex_irradiance::vertex_irradiance};
+use lightmend_photon::{
+    irradiance::Scale,
+    path::FirstHits,
+    reconstruction::{Reconstruction, Shapes},
+};
 use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, side_light};
 use lightmend_scene::{Configuration, Edit, LatticePoints};
 use lightmend_tests::{own_scene, pool, shoot, world};
@@ -25,14 +29,10 @@ fn draw(scene: &str, camera: &str, edits: &[Edit]) -> RgbImage {
     let solution = shoot(pool(1_152_000), &Arc::new(world), FirstHits::AsLampsSay);
     let scale = Scale::new(solution.world(), solution.pool().photons());
     let lamps = configuration.lamp_slots();
-    let sides = |id: usize| {
-        let object = configuration.object(id);
-        let points = LatticePoints::new(&object.mesh, &object.lattice);
-        let lux = |side| vertex_irradiance(solution.buckets(), &scale, id, side, &object.lattice, &points, lamps);
-        [0, 1].map(|side| lux(side).map(|lux| side_light(&lux)))
-    };
-    let indirect: Indirect =
-        (0..configuration.object_slots()).map(|id| if configuration.has_object(id) { sides(id) } else { [None, None] }).collect();
+    let shapes = Shapes::of(&configuration);
+    let light = Reconstruction::new(&shapes, &configuration, solution.buckets(), &scale, lamps);
+    let sides = |id| [0, 1].map(|side| Some(side_light(&light.vertices(id, side)?)));
+    let indirect: Indirect = (0..configuration.object_slots()).map(sides).collect();
     let mut renderer = Renderer::new(Arc::new(Device::headless().unwrap())).unwrap();
     renderer.show(&configuration).unwrap();
     renderer.light(&indirect).unwrap();

@@ -5,7 +5,7 @@ use lightmend_photon::{
     bucket::{Buckets, ENERGY_BITS},
     irradiance::Scale,
     path::FirstHits,
-    vertex_irradiance::vertex_irradiance,
+    reconstruction::{Reconstruction, Shapes},
 };
 use lightmend_raster::{Indirect, Parts, Renderer, side_light};
 use lightmend_scene::{Configuration, LatticePoints, Scene, View};
@@ -98,14 +98,10 @@ impl Hybrid {
         let solve = |first_hits| shoot(pool(photons), &world, first_hits).buckets().clone();
         let (always, indirect) = (solve(FirstHits::Always), solve(FirstHits::AsLampsSay));
         let scale = Scale::new(&world, photons);
-        let points: Vec<_> =
-            configuration.objects().map(|(_, object)| LatticePoints::new(&object.mesh, &object.lattice)).collect();
-        let side = |id: usize, side| {
-            let lattice = &configuration.object(id).lattice;
-            let lux = vertex_irradiance(&indirect, &scale, id, side, lattice, &points[id], configuration.lamp_slots())?;
-            Some(side_light(&lux))
-        };
-        let irradiance: Indirect = (0..points.len()).map(|id| [side(id, 0), side(id, 1)]).collect();
+        let shapes = Shapes::of(&configuration);
+        let light = Reconstruction::new(&shapes, &configuration, &indirect, &scale, configuration.lamp_slots());
+        let side = |id: usize, side| Some(side_light(&light.vertices(id, side)?));
+        let irradiance: Indirect = (0..configuration.object_slots()).map(|id| [side(id, 0), side(id, 1)]).collect();
         let (elements, sides) = (BTreeMap::new(), BTreeMap::new());
         let mut hybrid = Hybrid { configuration, scale, always, indirect, points, irradiance, elements, sides };
 

@@ -1,34 +1,28 @@
 //! Indirect light from the solver's buckets to the rasteriser's lattice points.
 
-use lightmend_photon::{bucket::Buckets, irradiance::Scale, vertex_irradiance::vertex_irradiance};
+use lightmend_photon::{
+    bucket::Buckets,
+    irradiance::Scale,
+    reconstruction::{Reconstruction, Shapes},
+};
 use lightmend_raster::{Indirect, side_light};
-use lightmend_scene::{Configuration, LatticePoints, Mesh, luminance};
+use lightmend_scene::{Configuration, luminance};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Lattice points of the meshes in use, each made once.
+/// Reads light, and keeps how the surfaces hang together.
 #[derive(Default)]
 pub struct IndirectLight {
-    /// By object number.
-    points: Vec<Option<(Arc<Mesh>, Arc<LatticePoints>)>>,
+    shapes: Shapes,
 }
 
 impl IndirectLight {
     /// Irradiance at all lattice points of all sides that light of lamps numbered below `lamps` has reached.
     pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale, lamps: usize) -> Indirect {
-        self.learn(configuration);
-        (0..configuration.object_slots())
-            .into_par_iter()
-            .map(|id| {
-                let points = self.points[id].as_ref().filter(|_| configuration.has_object(id));
-                [0, 1].map(|side| {
-                    let (_, points) = points?;
-                    let lattice = &configuration.object(id).lattice;
-                    let lux = vertex_irradiance(buckets, scale, id, side, lattice, points, lamps)?;
-                    Some(side_light(&lux))
-                })
-            })
-            .collect()
+        self.shapes.learn(configuration);
+        let light = Reconstruction::new(&self.shapes, configuration, buckets, scale, lamps);
+        let of_object = |id| [0, 1].map(|side| Some(side_light(&light.vertices(id, side)?)));
+        (0..configuration.object_slots()).into_par_iter().map(of_object).collect()
     }
 
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.
@@ -54,20 +48,5 @@ impl IndirectLight {
             Some((0..points).map(share).collect())
         };
         now.into_iter().zip(right).map(|([a, b], [c, d])| [side(a, c), side(b, d)]).collect()
-    }
-
-    fn learn(&mut self, configuration: &Configuration) {
-        self.points.resize_with(configuration.object_slots(), || None);
-        for id in 0..configuration.object_slots() {
-            let object = configuration.object(id);
-            let known = |points: &Option<(Arc<Mesh>, Arc<LatticePoints>)>| {
-                points.as_ref().filter(|(mesh, _)| Arc::ptr_eq(mesh, &object.mesh)).map(|(_, points)| points.clone())
-            };
-            if configuration.has_object(id) && known(&self.points[id]).is_none() {
-                let points = self.points.iter().find_map(known);
-                let points = points.unwrap_or_else(|| Arc::new(LatticePoints::new(&object.mesh, &object.lattice)));
-                self.points[id] = Some((object.mesh.clone(), points));
-            }
-        }
     }
 }

@@ -1,9 +1,9 @@
-//! Irradiance at points of surfaces: direct light computed at the point itself, indirect light from the buckets.
+//! Irradiance at points of surfaces: direct light computed at the point itself, indirect light reconstructed from the buckets.
 
 use crate::{
-    bucket::Buckets,
-    irradiance::{Irradiance, Scale},
+    irradiance::Irradiance,
     path,
+    reconstruction::Reconstruction,
     triangle::{Hit, Ray},
     world::World,
 };
@@ -14,7 +14,7 @@ use glam::DVec3;
 pub struct Reading {
     /// Direct irradiance of all lamps, lux per channel: candela · cos θ / d² where a shadow ray is free.
     pub direct: DVec3,
-    /// Indirect irradiance of the mesh element that the point lies on.
+    /// Indirect irradiance, with its estimated standard error.
     pub indirect: Irradiance,
 }
 
@@ -57,7 +57,6 @@ struct Element {
     object: usize,
     cell: u32,
     side: usize,
-    area: f64,
 }
 
 /// The mesh element at a point of a surface; unit `normal` chooses the side. `None` if no surface that faces along the normal is
@@ -75,19 +74,18 @@ pub fn locate(world: &World, point: DVec3, normal: DVec3) -> Option<Place> {
         }
         let element = |hit: &Hit| {
             let object = hit.triangle.object();
-            let area = world.object(object).lattice.area_in(hit.triangle.in_mesh());
-            Element { object, cell: path::cell(world, hit), side: usize::from(front(hit) < 0.0), area }
+            Element { object, cell: path::cell(world, hit), side: usize::from(front(hit) < 0.0) }
         };
         return Some(Place { point, normal, elements: world.layers(&ray, hit).iter().map(element).collect() });
     }
     None
 }
 
-/// Reads the light at a place. Buckets must hold indirect light only.
-pub fn read(world: &World, buckets: &Buckets, scale: &Scale, place: &Place) -> Reading {
-    let mut indirect = Irradiance::default();
-    for Element { object, cell, side, area } in &place.elements {
-        indirect.add(&scale.irradiance(buckets, *object, *cell, *side, *area));
+/// Reads the light at a place. `indirect` must stem from buckets of indirect light only.
+pub fn read(world: &World, indirect: &Reconstruction, place: &Place) -> Reading {
+    let mut sum = Irradiance::default();
+    for Element { object, cell, side } in &place.elements {
+        sum.add(&indirect.point(*object, *cell, *side, place.point));
     }
-    Reading { direct: direct(world, place.point, place.normal), indirect }
+    Reading { direct: direct(world, place.point, place.normal), indirect: sum }
 }
