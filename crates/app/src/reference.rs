@@ -28,11 +28,11 @@ pub struct Arguments {
     out: PathBuf,
     /// Paths per point, 32,768 by default; at least 32, one for each batch whose scatter gives the standard errors. More: less noise
     /// (half for four times as many). With --error the most per point, 4,194,304 by default
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
     paths: Option<u64>,
     /// Go on at each point until the standard error of its indirect illuminance is at most this share of it, 0.01 for 1 %. Stopping by
     /// what was found favours low values where light is rare: for an unbiased result give --paths alone
-    #[arg(long, value_name = "E", value_parser = parse_share)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse_share)]
     error: Option<f64>,
     /// Seed of the random numbers: results of different seeds are independent
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = arguments.plan();
     let mut reference = Reference::new(&world, places.iter().map(|place| (place.point, place.normal)).collect(), plan);
     let bar = progress::bar(0, "tracing paths", common.quiet);
-    while reference.paths_ahead() > 0 && !progress::interrupted() {
+    while reference.paths_ahead() > 0 {
         bar.inc_length(reference.paths_ahead());
         reference.round(&|paths| {
             bar.inc(paths);

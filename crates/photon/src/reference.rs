@@ -124,13 +124,14 @@ pub struct Reference<'w> {
     /// Points and unit normals on the side that counts.
     points: Vec<(DVec3, DVec3)>,
     estimates: Vec<Estimate>,
+    stopped: bool,
 }
 
 impl<'w> Reference<'w> {
     /// Nothing is traced yet. Each point, metres, has a unit normal on the side that counts and lies on a surface. A point's paths follow
     /// from the plan's seed and its place in the list.
     pub fn new(world: &'w World, points: Vec<(DVec3, DVec3)>, plan: Plan) -> Reference<'w> {
-        Reference { world, plan, estimates: vec![Estimate::default(); points.len()], points }
+        Reference { world, plan, estimates: vec![Estimate::default(); points.len()], points, stopped: false }
     }
 
     /// What is known, point by point.
@@ -148,13 +149,16 @@ impl<'w> Reference<'w> {
         }
     }
 
-    /// Paths of the next round, of all points together; 0 when all is done.
+    /// Paths of the next round, of all points together; 0 when all is done, or was stopped.
     pub fn paths_ahead(&self) -> u64 {
+        if self.stopped {
+            return 0;
+        }
         self.estimates.iter().map(|estimate| u64::from(self.next(estimate))).sum::<u64>() * self.plan.paths_in_batch()
     }
 
-    /// Traces a round. `go_on` hears of every finished batch how many paths it had; once it says no, none is begun and what is
-    /// finished is kept.
+    /// Traces a round. `go_on` hears of every finished batch how many paths it had; once it says no, none is begun, what is
+    /// finished is kept, and there is no further round.
     pub fn round(&mut self, go_on: &(dyn Fn(u64) -> bool + Sync)) {
         let stop = AtomicBool::new(false);
         let added: Vec<Estimate> = (0..self.points.len())
@@ -176,6 +180,7 @@ impl<'w> Reference<'w> {
             })
             .collect();
         self.estimates = added;
+        self.stopped = stop.into_inner();
     }
 
     /// Mean light of one path through every stratum.
