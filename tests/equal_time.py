@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error at equal time: `lightmend probe` and `lightmend reference` beside Mitsuba 3, as a Markdown table.
 
-  equal_time.py [REFERENCE] [--lightmend PROGRAM] [--scenes NAME...] [--seconds S...] [--threads N] [--cell M...] [--loop FILE]
+  equal_time.py [REFERENCE] [--lightmend PROGRAM] [--scenes NAME...] [--seconds S...] [--threads N] [--cell M...] [--loop FILE] [--methods METHOD...]
 
 REFERENCE as in reference.py. Needs Mitsuba (`pip install mitsuba numpy`) and an LLVM that Dr.Jit takes.
 
@@ -26,7 +26,7 @@ from pathlib import Path
 
 import reference as points_of
 
-PHOTONS, PATHS, LEAST = ("probe", "--photons"), ("reference", "--paths"), {"probe": 1152, "reference": 32}
+PHOTONS, PATHS, LEAST = ("probe", "--photons"), ("reference", "--paths"), {"probe": 4608, "reference": 32}
 
 
 def run(arguments, command, scene, points, out, amount):
@@ -53,12 +53,12 @@ def ours(arguments, command, scene, points, out):
         yield amount, seconds, start_up, [p["indirect"] for p in points_of.read_points(out)]
 
 
-class Path3:
+class MitsubaPath:
     """Mitsuba's own path integrator."""
 
     def __init__(self, scene, base, folder):
-        import mitsuba as mi
         import drjit as dr
+        import mitsuba as mi
         self.mi, self.dr = mi, dr
         vertices, faces, material = [], {}, None
         for line in (base / scene["mesh"]).read_text(encoding="utf-8").splitlines():
@@ -85,6 +85,7 @@ class Path3:
         self.integrator, self.sampler = self.scene.integrator(), mi.load_dict({"type": "independent"})
 
     def batch(self, points, normals, strata, repeats, seed):
+        import numpy as np
         mi, dr = self.mi, self.dr
         count = strata * strata * repeats
         index = dr.arange(mi.UInt32, len(points) * count)
@@ -99,17 +100,16 @@ class Path3:
         light, _, _ = self.integrator.sample(self.scene, self.sampler, ray)
         sums = [dr.block_sum(light[k], count) for k in range(3)]
         dr.eval(*sums)
-        import numpy as np
         return np.stack([np.array(s, np.float64) for s in sums], 1) / count * np.pi
 
 
 def mitsuba(arguments, json_path, points_path, folder):
     """For each budget: paths per point, seconds, start-up, illuminance per point; nothing if the scene's lamps cannot be had."""
     import numpy as np
-    import mitsuba as mi
-    import drjit as dr
     scene, base = json.loads(json_path.read_text(encoding="utf-8")), json_path.parent
     start = time.perf_counter()
+    import drjit as dr
+    import mitsuba as mi
     mi.set_variant("llvm_ad_rgb")
     dr.set_thread_count(arguments.threads)
     table = np.loadtxt(points_path, delimiter=",", skiprows=1, ndmin=2)
@@ -121,7 +121,7 @@ def mitsuba(arguments, json_path, points_path, folder):
     elif any("ies" in light for light in scene["lights"]):
         return
     else:
-        tracer = Path3(scene, base, folder)
+        tracer = MitsubaPath(scene, base, folder)
         traced = tracer.batch
     strata, repeats = 16, 8  # 2048 paths a point, half a million a batch: Dr.Jit's kernels fill both threads.
     traced(points, normals, strata, repeats, 1)

@@ -157,7 +157,7 @@ fn what_is_finished_is_kept() {
     reference.round(&|paths| told.fetch_add(paths, Ordering::Relaxed) + paths < 40 * 1024);
     let kept: u64 = reference.estimates().iter().map(|e| u64::from(e.batches())).sum();
     assert_eq!(kept * plan.paths_in_batch(), told.into_inner());
-    assert!(kept >= 40 && kept < 96, "{kept}");
+    assert!((40..96).contains(&kept), "{kept}");
     assert!(reference.estimates().iter().any(|e| !e.is_known()));
     assert_eq!(reference.paths_ahead(), 0, "batches are told apart by their number, of which some are now missing");
 }
