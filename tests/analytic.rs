@@ -1,7 +1,12 @@
 //! The whole solver against closed forms.
 
 use glam::DVec3;
-use lightmend_photon::{irradiance::Scale, path::FirstHits, probe};
+use lightmend_photon::{
+    irradiance::Scale,
+    path::FirstHits,
+    probe,
+    reconstruction::{Reconstruction, Shapes},
+};
 use lightmend_scene::Configuration;
 use lightmend_tests::{Builder, count, pool, shoot, sphere, world};
 

@@ -11,7 +11,7 @@ use lightmend_photon::{
     reconstruction::{Reconstruction, Shapes},
 };
 use lightmend_raster::{Device, Indirect, Look, Parts, Renderer, Settings, side_light};
-use lightmend_scene::{Configuration, Edit, LatticePoints};
+use lightmend_scene::{Configuration, Edit};
 use lightmend_tests::{own_scene, pool, shoot, world};
 use std::{
     path::{Path, PathBuf},

@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""Compares `lightmend probe` with irradiance that an independent renderer computed, and prints a Markdown table.
+"""Compares `lightmend probe`, or `lightmend reference`, with irradiance that an independent renderer computed, and prints a Markdown table.
 
   reference.py [REFERENCE] [--lightmend PROGRAM] [--out FOLDER] [--scenes NAME...] [--photons N...] [--cell M...] [--worst K]
+  reference.py [REFERENCE] [--lightmend PROGRAM] [--out FOLDER] [--scenes NAME...] --paths [N...] [--seed N] [--worst K]
 
 REFERENCE (or the environment variable LIGHTMEND_REFERENCE) holds a folder per scene: scene_X.json (mesh, reflectances, lamps), its
 OBJ, and ref_X.csv (points with direct and indirect irradiance and the standard error of the latter), one of each per state X.
 
 Every scene goes through `lightmend import`, which drops triangles without area; its lamps are then written into the scene file.
 
+With --paths it is `lightmend reference` that is compared, and points off by three combined standard errors or more are listed.
+
 Columns. All errors are of illuminance, 0.2126 R + 0.7152 G + 0.0722 B. Median and 95th percentile: of |error| / reference, over the
 points whose reference exceeds 5 % of the mean. Signed: mean error / mean reference, over all points. Noise: what the combined
-standard errors of both sides predict for the column before it; within 3: share of points whose error is below three of them.
+standard errors of both sides predict for the column before it; within 3: share of points whose error is at most three of them; RMS z: root
+mean square of error / combined standard error, 1 when the standard errors are right and nothing else differs.
 """
 
 import argparse
@@ -26,6 +30,9 @@ from pathlib import Path
 
 # Longest edge of a mesh element, metres: fine enough for 20 M photons (docs/accuracy.md has the choice's influence).
 CELLS = {"cornell": 0.06, "ajar": 0.25, "living": 0.25, "furnished": 0.15}
+# Paths per point: enough for standard errors about half of the reference's; in the dark room of `ajar`, which that lit from the lamp, they
+# stay above them.
+PATHS = {"cornell": 1 << 18, "ajar": 1 << 20, "living": 1 << 18, "furnished": 1 << 17}
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -117,6 +124,12 @@ def relative_errors(ours, reference, what):
     return [abs(o[what] - r[what]) / r[what] for o, r in zip(ours, reference) if r[what] > least]
 
 
+def z(our, reference):
+    """Error of indirect illuminance in combined standard errors."""
+    error, noise = our["indirect"] - reference["indirect"], math.hypot(our["noise"], reference["noise"])
+    return error / noise if noise > 0.0 else (0.0 if error == 0.0 else math.copysign(math.inf, error))
+
+
 def row(ours, reference):
     cells = []
     for what in ("direct", "indirect"):
@@ -124,29 +137,34 @@ def row(ours, reference):
         errors = relative_errors(ours, reference, what)
         signed = sum(o[what] - r[what] for o, r in zip(ours, reference)) / len(reference) / mean
         cells += [f"{100 * quantile(errors, 0.5):.2f}", f"{100 * quantile(errors, 0.95):.2f}", f"{100 * signed:+.2f}"]
-    combined = [math.hypot(o["noise"], r["noise"]) for o, r in zip(ours, reference)]
-    squares = sum(c * c for c in combined)
-    within = sum(abs(o["indirect"] - r["indirect"]) <= 3.0 * c for o, r, c in zip(ours, reference, combined))
+    squares = sum(math.hypot(o["noise"], r["noise"]) ** 2 for o, r in zip(ours, reference))
     error = math.sqrt(sum((o["indirect"] - r["indirect"]) ** 2 for o, r in zip(ours, reference)) / len(reference))
     count = len(reference)
     cells.append(f"± {100 * math.sqrt(squares) / count / mean:.2f}")
-    cells += [f"{100 * error / mean:.2f}", f"{100 * math.sqrt(squares / count) / mean:.2f}", f"{100 * within / count:.0f}"]
-    return cells
+    cells += [f"{100 * error / mean:.2f}", f"{100 * math.sqrt(squares / count) / mean:.2f}"]
+    return cells + agreement([z(o, r) for o, r in zip(ours, reference)])
+
+
+def agreement(deviations):
+    """Share of points within three combined standard errors, and the root mean square of all."""
+    within = sum(abs(d) <= 3.0 for d in deviations) / len(deviations)
+    return [f"{100 * within:.1f}", f"{math.sqrt(sum(d * d for d in deviations) / len(deviations)):.2f}"]
 
 
 def worst(ours, reference, count):
     """The points furthest off: of direct light by error, of indirect light in standard errors."""
-    lines = []
     pairs = list(zip(ours, reference))
-    for what, measure in (
-        ("direct", lambda o, r: abs(o["direct"] - r["direct"])),
-        ("indirect", lambda o, r: abs(o["indirect"] - r["indirect"]) / (math.hypot(o["noise"], r["noise"]) or 1.0)),
-    ):
-        for o, r in sorted(pairs, key=lambda p: -measure(*p))[:count]:
-            place = " ".join(f"{v:.4f}" for v in r["place"])
-            noise = f" ± {o['noise']:.4g} (reference ± {r['noise']:.4g})" if what == "indirect" else ""
-            lines.append(f"    {what} at {place}: {o[what]:.5g}, reference {r[what]:.5g}{noise}")
-    return "\n".join(lines)
+    direct = sorted(pairs, key=lambda p: -abs(p[0]["direct"] - p[1]["direct"]))[:count]
+    indirect = sorted(pairs, key=lambda p: -abs(z(*p)))[:count]
+    return [told("direct", *p) for p in direct] + [told("indirect", *p) for p in indirect]
+
+
+def told(what, our, reference):
+    place = " ".join(f"{v:.4f}" for v in reference["place"])
+    noise = ""
+    if what == "indirect":
+        noise = f" ± {our['noise']:.4g} (reference ± {reference['noise']:.4g}): {z(our, reference):+.2f} standard errors"
+    return f"    {what} at {place}: {our[what]:.5g}, reference {reference[what]:.5g}{noise}"
 
 
 def main():
@@ -157,6 +175,9 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=sorted(CELLS), choices=sorted(CELLS), metavar="NAME")
     parser.add_argument("--photons", nargs="+", type=int, default=[1_152_000], metavar="N")
     parser.add_argument("--cell", nargs="+", type=float, help="longest edge of a mesh element, metres; by default one per scene")
+    parser.add_argument("--paths", nargs="*", type=int, metavar="N",
+                        help="compare `lightmend reference`, with N paths per point; without a number as many as suit the scene")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of these paths")
     parser.add_argument("--worst", type=int, default=0, metavar="K", help="also list the K points furthest off")
     arguments = parser.parse_args()
     if arguments.reference is None:
@@ -170,10 +191,22 @@ def main():
             sys.exit(str(error))
 
 
+def readings_of(arguments, name):
+    """What to compare for a scene: cell, number of photons or paths, and the arguments that give it."""
+    if arguments.paths is not None:
+        for paths in arguments.paths or [PATHS[name]]:
+            yield CELLS[name], paths, ["reference", "--paths", str(paths), "--seed", str(arguments.seed)]
+    else:
+        for cell in arguments.cell or [CELLS[name]]:
+            for photons in arguments.photons:
+                yield cell, photons, ["probe", "--photons", str(photons)]
+
+
 def compare(arguments, reference_folder, out):
-    print("| scene | state | cell, m | photons | points | direct: median % | 95th % | signed % | indirect: median % | 95th % | signed % "
-          "| its noise | RMS % of mean | its noise | within 3, % |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+    print(f"| scene | state | cell, m | {'photons' if arguments.paths is None else 'paths per point'} | points | direct: median % | 95th % "
+          "| signed % | indirect: median % | 95th % | signed % | its noise | RMS % of mean | its noise | within 3, % | RMS z |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+    deviations = []
     for name in arguments.scenes:
         states = sorted((reference_folder / name).glob("scene_*.json"))
         if not states:
@@ -181,22 +214,26 @@ def compare(arguments, reference_folder, out):
         for json_path in states:
             state = json_path.stem.removeprefix("scene_")
             reference = read_points(json_path.parent / f"ref_{state}.csv")
-            for cell in arguments.cell or [CELLS[name]]:
+            for cell, count, (command, *options) in readings_of(arguments, name):
                 folder = out / name / state / str(cell)
                 folder.mkdir(parents=True, exist_ok=True)
                 write_scene(arguments.lightmend, json_path, folder / "scene.ron", cell)
+                readings = folder / f"{command}-{count}.csv"
                 points = json_path.parent / "points.csv"
-                for photons in arguments.photons:
-                    readings = folder / f"{photons}.csv"
-                    subprocess.run([arguments.lightmend, "probe", folder / "scene.ron", "--points", points, "--out", readings,
-                                    "--photons", str(photons), "--quiet"], check=True)
-                    ours = read_points(readings)
-                    if len(ours) != len(reference):
-                        sys.exit(f"{readings}: {len(ours)} points, the reference has {len(reference)}")
-                    cells = [name, state, str(cell), f"{photons:,}", str(len(ours)), *row(ours, reference)]
-                    print("| " + " | ".join(cells) + " |", flush=True)
-                    if arguments.worst:
-                        print(worst(ours, reference, arguments.worst), flush=True)
+                subprocess.run([arguments.lightmend, command, folder / "scene.ron", "--points", points, "--out", readings,
+                                *options, "--quiet"], check=True)
+                ours = read_points(readings)
+                if len(ours) != len(reference):
+                    sys.exit(f"{readings}: {len(ours)} points, the reference has {len(reference)}")
+                cells = [name, state, str(cell), f"{count:,}", str(len(ours)), *row(ours, reference)]
+                print("| " + " | ".join(cells) + " |", flush=True)
+                listed = worst(ours, reference, arguments.worst)
+                if command == "reference":
+                    listed += [told("indirect", o, r) for o, r in zip(ours, reference) if abs(z(o, r)) > 3.0]
+                print("".join(line + "\n" for line in listed), end="", flush=True)
+                deviations += [z(o, r) for o, r in zip(ours, reference)]
+    within, rms = agreement(deviations)
+    print(f"\nAll {len(deviations)} readings together: {within} % within three combined standard errors, RMS z {rms}.")
 
 
 if __name__ == "__main__":

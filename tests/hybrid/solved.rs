@@ -8,7 +8,7 @@ use lightmend_photon::{
     reconstruction::{Reconstruction, Shapes},
 };
 use lightmend_raster::{Indirect, Parts, Renderer, side_light};
-use lightmend_scene::{Configuration, LatticePoints, Scene, View};
+use lightmend_scene::{Configuration, Scene, View};
 use lightmend_tests::{
     pixels::{all_around, draw, pixels, renderer},
     pool, shoot, world,
@@ -81,8 +81,8 @@ pub struct Hybrid {
     always: Buckets,
     /// Without what the rasteriser draws.
     indirect: Buckets,
-    /// Lattice points of each object, and the irradiance at those of its sides.
-    points: Vec<LatticePoints>,
+    shapes: Shapes,
+    /// Irradiance at the lattice points of each object's sides.
     irradiance: Indirect,
     /// Elements of which the whole was seen; the sums of the eye with the most pixels.
     elements: BTreeMap<Element, Seen>,
@@ -103,7 +103,7 @@ impl Hybrid {
         let side = |id: usize, side| Some(side_light(&light.vertices(id, side)?));
         let irradiance: Indirect = (0..configuration.object_slots()).map(|id| [side(id, 0), side(id, 1)]).collect();
         let (elements, sides) = (BTreeMap::new(), BTreeMap::new());
-        let mut hybrid = Hybrid { configuration, scale, always, indirect, points, irradiance, elements, sides };
+        let mut hybrid = Hybrid { configuration, scale, always, indirect, shapes, irradiance, elements, sides };
 
         let mut renderer = renderer();
         renderer.show(&hybrid.configuration).unwrap();
@@ -121,7 +121,7 @@ impl Hybrid {
     /// Adds up what views see that have nothing in common.
     fn look(&mut self, renderer: &mut Renderer, views: &[View]) {
         let cells = |id: usize| self.configuration.object(id).lattice.cells() as usize;
-        let mut here: Vec<Vec<Seen>> = (0..self.points.len()).map(|id| vec![Seen::default(); 2 * cells(id)]).collect();
+        let mut here: Vec<Vec<Seen>> = (0..self.irradiance.len()).map(|id| vec![Seen::default(); 2 * cells(id)]).collect();
         for view in views {
             let direct = draw(renderer, view, SIZE, Parts::DIRECT_IRRADIANCE);
             let indirect = draw(renderer, view, SIZE, Parts::INDIRECT_IRRADIANCE);
@@ -181,7 +181,8 @@ impl Hybrid {
         for ((object, cell, side), seen) in &self.elements {
             let lattice = &self.configuration.object(*object).lattice;
             let t = lattice.triangle_of(*cell);
-            let corners = self.points[*object].cells_points(t).nth((cell - lattice.cells_of(t).start) as usize).unwrap();
+            let corners =
+                self.shapes.get(*object).points.cells_points(t).nth((cell - lattice.cells_of(t).start) as usize).unwrap();
             let values =
                 corners.map(|p| self.irradiance[*object][*side].as_ref().map_or(0.0, |points| f64::from(points[p as usize][1])));
             let mean = values.iter().sum::<f64>() / 3.0;

@@ -12,8 +12,10 @@ mod import;
 mod indirect;
 mod output;
 mod picture;
+mod points;
 mod probe;
 mod progress;
+mod reference;
 mod replay;
 mod solve;
 #[cfg(feature = "window")]
@@ -51,6 +53,8 @@ enum Command {
     Replay(replay::Arguments),
     /// Read irradiance at points of surfaces
     Probe(probe::Arguments),
+    /// Path-trace irradiance at points of surfaces, without photons: what `probe` is held against
+    Reference(reference::Arguments),
     /// Say what is in a scene and what is wrong with it
     Check(check::Arguments),
     /// Make a scene file of OBJ models
@@ -168,6 +172,7 @@ fn main() -> ExitCode {
         Command::Frames(arguments) => frames::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
+        Command::Reference(arguments) => reference::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
     });

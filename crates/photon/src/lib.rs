@@ -3,7 +3,7 @@
 //! Follow one photon: its index becomes random numbers ([`halton`]), which choose a lamp ([`emission`]) and, at every hit
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`], many side by side: `wave.rs`); each hit deposits ([`record`]) integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
-//! ([`mod@reconstruction`]). A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
+//! ([`mod@reconstruction`]); a [`mod@reference`] by path tracing is what it is held against. A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
 //! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
 //! by a camera: [`visible`]).
 //!
@@ -42,6 +42,7 @@ pub mod probe;
 pub mod reconstruction;
 pub mod record;
 pub mod recovery;
+pub mod reference;
 pub mod sampling;
 pub mod saved;
 pub mod shooting;

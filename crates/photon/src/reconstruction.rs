@@ -48,7 +48,9 @@ impl Shapes {
     /// Adds what is new in `configuration`.
     pub fn learn(&mut self, configuration: &Configuration) {
         self.shapes.resize(configuration.object_slots(), None);
-        let known = |shapes: &[Option<Arc<Shape>>], mesh: &Arc<Mesh>| shapes.iter().flatten().find(|s| Arc::ptr_eq(&s.mesh, mesh)).cloned();
+        let known = |shapes: &[Option<Arc<Shape>>], mesh: &Arc<Mesh>| {
+            shapes.iter().flatten().find(|s| Arc::ptr_eq(&s.mesh, mesh)).cloned()
+        };
         // Meshes that no object had before, each once.
         let mut new: Vec<usize> = Vec::new();
         for (id, object) in configuration.objects() {
@@ -92,7 +94,13 @@ pub struct Reconstruction<'s> {
 
 impl<'s> Reconstruction<'s> {
     /// From the light of the lamps numbered below `lamps`.
-    pub fn new(shapes: &'s Shapes, configuration: &Configuration, buckets: &Buckets, scale: &Scale, lamps: usize) -> Reconstruction<'s> {
+    pub fn new(
+        shapes: &'s Shapes,
+        configuration: &Configuration,
+        buckets: &Buckets,
+        scale: &Scale,
+        lamps: usize,
+    ) -> Reconstruction<'s> {
         let of_object = |id: usize| {
             [0, 1].map(|side| {
                 let patches = &shapes.shapes[id].as_ref().filter(|_| configuration.has_object(id))?.patches;
@@ -164,7 +172,13 @@ impl<'s> Reconstruction<'s> {
         errors.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let half = errors.iter().map(|(_, area)| area).sum::<f64>() / 2.0;
         let mut so_far = 0.0;
-        errors.iter().find(|(_, area)| { so_far += area; so_far >= half }).map_or(0.0, |(error, _)| *error)
+        errors
+            .iter()
+            .find(|(_, area)| {
+                so_far += area;
+                so_far >= half
+            })
+            .map_or(0.0, |(error, _)| *error)
     }
 }
 

@@ -34,6 +34,13 @@ fn impossible_numbers() {
     }
     desk.refuses("solve cornell.ron --seconds 1 --photons 20000", &["--seconds", "--photons"]);
     desk.refuses("solve cornell.ron --threads 0", &["--threads", "'0'"]);
+    desk.write("points.csv", "x,y,z,nx,ny,nz\n1,0.2,0,0,0,1\n");
+    for error in ["0", "1", "-1", "nan", "some"] {
+        desk.refuses(&format!("reference cornell.ron --points points.csv --out r.csv --error {error}"), &["--error", error]);
+    }
+    for paths in ["0", "-5", "99999999999999", "many"] {
+        desk.refuses(&format!("reference cornell.ron --points points.csv --out r.csv --paths {paths}"), &["--paths", paths]);
+    }
 }
 
 #[test]

@@ -15,12 +15,13 @@ fn desk() -> Desk {
 }
 
 /// Every command that writes a file.
-const FILES: [&str; 5] = [
+const FILES: [&str; 6] = [
     "solve cornell.ron --photons 20000 --dump",
     "replay cornell.ron --photons 20000 --script m.ron --out out --dump",
     "apply cornell.ron --script m.ron --out",
     "probe cornell.ron --photons 20000 --points points.csv --out",
     "import box.obj --out",
+    "reference cornell.ron --paths 1000 --points points.csv --out",
 ];
 
 /// Every command that writes into a folder.

@@ -2,17 +2,20 @@
 
 use crate::desk::Desk;
 
-const PROBE: &str = "probe cornell.ron --points points.csv --out read.csv --photons 20000";
+const COMMANDS: [&str; 2] = [
+    "probe cornell.ron --points points.csv --out read.csv --photons 20000",
+    "reference cornell.ron --points points.csv --out read.csv --paths 1000",
+];
 
 fn refused(points: impl AsRef<[u8]>, told: &[&str]) {
     let desk = Desk::new();
     desk.write("points.csv", points);
-    desk.refuses(PROBE, told);
+    COMMANDS.iter().for_each(|command| desk.refuses(command, told));
 }
 
 #[test]
 fn missing_file() {
-    Desk::new().refuses(PROBE, &["points.csv", "No such file"]);
+    COMMANDS.iter().for_each(|command| Desk::new().refuses(command, &["points.csv", "No such file"]));
 }
 
 #[test]

@@ -10,12 +10,11 @@ use std::{
 /// Far more than an interrupted run needs, even beside other work; far less than the whole run.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Starts a run that writes into the folder `out`, waits until it is under way, presses Ctrl-C and waits for its end.
-/// Returns its status, standard output and standard error.
+/// Starts a run, waits until it is under way, presses Ctrl-C and waits for its end. Returns its status, standard output and standard
+/// error.
 fn interrupted(desk: &Desk, arguments: &str) -> (Option<i32>, String, String) {
     let mut child = desk.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program runs");
-    // Ctrl-C is listened for before the folder is made.
-    until(&mut child, |_| desk.path("out").is_dir());
+    until(&mut child, |child| listens(child.id()));
     sleep(Duration::from_millis(300));
     let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
     assert!(kill.success());
@@ -23,6 +22,13 @@ fn interrupted(desk: &Desk, arguments: &str) -> (Option<i32>, String, String) {
     let output = child.wait_with_output().expect("the program has ended");
     let text = |bytes| String::from_utf8(bytes).expect("the program prints UTF-8");
     (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// Whether a process catches Ctrl-C: signal 2 in the mask that Linux tells of it.
+fn listens(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+    u64::from_str_radix(mask.trim(), 16).expect("a hexadecimal number") & 0b10 != 0
 }
 
 fn until(child: &mut Child, done: impl Fn(&mut Child) -> bool) {
@@ -100,5 +106,24 @@ fn frames_keeps_whole_frames() {
         let drawn = desk.names("out").into_iter().filter(|name| name.starts_with("frame_")).count();
         assert_eq!(drawn, frames.len());
         assert!(stderr.contains(&format!("{drawn} finished frame")), "{stderr}");
+    }
+}
+
+#[test]
+fn reference_keeps_points_that_are_known() {
+    let desk = Desk::new();
+    let points = "1,0.2,0,0,0,1\n".repeat(50);
+    desk.write("points.csv", format!("x,y,z,nx,ny,nz\n{points}"));
+    let (status, stdout, stderr) =
+        interrupted(&desk, "reference cornell.ron --points points.csv --paths 100000000 --out read.csv --json");
+    assert_eq!(status, Some(1), "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
+    no_half_file(&desk);
+    // Either no point had enough batches, and nothing is kept, or those that had are.
+    if desk.path("read.csv").exists() {
+        let rows = desk.read("read.csv").lines().count() - 1;
+        let summary: serde_json::Value = serde_json::from_str(&stdout).expect("one JSON document");
+        assert!(summary["points"] == rows && rows >= 1, "{summary}");
+        assert!(stderr.contains(&format!("{rows} of 50 points")), "{stderr}");
     }
 }

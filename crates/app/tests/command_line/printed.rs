@@ -11,13 +11,14 @@ fn desk() -> Desk {
     desk
 }
 
-const COMMANDS: [&str; 6] = [
+const COMMANDS: [&str; 7] = [
     "solve cornell.ron --photons 20000 --out solved --dump solved.tsv",
     "replay cornell.ron --photons 20000 --script m.ron --out replayed --dump replayed.tsv",
     "apply cornell.ron --script m.ron --out after.ron",
     "probe cornell.ron --photons 20000 --points points.csv --out read.csv",
     "check cornell.ron",
     "import box.obj --out new.ron --reflectance white=0.7,0.7,0.7 --lamp 1,1,1,100",
+    "reference cornell.ron --points points.csv --out traced.csv --paths 1000",
 ];
 
 #[test]
@@ -48,7 +49,7 @@ fn quiet_prints_nothing() {
 fn results_are_named_on_standard_output() {
     let desk = desk();
     for (command, result) in
-        COMMANDS.iter().zip(["solved/front.png", "replayed/recovery.png", "after.ron", "read.csv", "", "new.ron"])
+        COMMANDS.iter().zip(["solved/front.png", "replayed/recovery.png", "after.ron", "read.csv", "", "new.ron", "traced.csv"])
     {
         let run = desk.run(command);
         assert!(run.status == Some(0) && run.stdout.contains(result), "{command}: {}", run.stdout);
@@ -60,7 +61,7 @@ fn results_are_named_on_standard_output() {
 fn help_and_version_are_no_failures() {
     let desk = Desk::new();
     assert!(desk.done("--version").starts_with("lightmend "));
-    for command in ["", "solve", "frames", "replay", "apply", "probe", "check", "import"] {
+    for command in ["", "solve", "frames", "replay", "apply", "probe", "check", "import", "reference"] {
         let help = desk.done(&format!("{command} --help"));
         assert!(help.contains("Usage: lightmend"), "{help}");
     }
@@ -114,26 +115,40 @@ fn orders_are_those_asked_for() {
 }
 
 #[test]
-fn probe_keeps_the_contract() {
+fn points_keep_the_contract() {
     let desk = desk();
-    desk.done(COMMANDS[3]);
-    let read = desk.read("read.csv");
-    let mut lines = read.lines();
-    let header = "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b,\
-                  indirect_se_r,indirect_se_g,indirect_se_b,illuminance";
-    assert_eq!(lines.next(), Some(header));
-    let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect()).collect();
-    assert_eq!(rows.len(), 2);
-    assert_eq!(rows[1][..6], [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
-    // The floor at (1, 0.2): the lamp, 1.9 m above and 0.8 m aside, is in sight.
-    let squared = 1.9f64 * 1.9 + 0.8 * 0.8;
-    let direct = [170.0, 155.0, 125.0].map(|cd| cd * 1.9 / squared.powf(1.5));
-    assert!(rows[0][6..9].iter().zip(direct).all(|(v, expected)| (v - expected).abs() < 1e-3), "{:?} {direct:?}", rows[0]);
-    for row in &rows {
-        let sum = |c: usize| row[6 + c] + row[9 + c];
-        let illuminance = 0.2126 * sum(0) + 0.7152 * sum(1) + 0.0722 * sum(2);
-        assert!((row[15] - illuminance).abs() < 1e-4, "{row:?}");
+    for (command, file) in [(COMMANDS[3], "read.csv"), (COMMANDS[6], "traced.csv")] {
+        desk.done(command);
+        let read = desk.read(file);
+        let mut lines = read.lines();
+        let header = "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b,\
+                      indirect_se_r,indirect_se_g,indirect_se_b,illuminance";
+        assert_eq!(lines.next(), Some(header));
+        let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect()).collect();
+        assert_eq!(rows.len(), 2);
+        assert_eq!(rows[1][..6], [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        // The floor at (1, 0.2): the lamp, 1.9 m above and 0.8 m aside, is in sight.
+        let squared = 1.9f64 * 1.9 + 0.8 * 0.8;
+        let direct = [170.0, 155.0, 125.0].map(|cd| cd * 1.9 / squared.powf(1.5));
+        assert!(rows[0][6..9].iter().zip(direct).all(|(v, expected)| (v - expected).abs() < 1e-3), "{:?} {direct:?}", rows[0]);
+        for row in &rows {
+            let sum = |c: usize| row[6 + c] + row[9 + c];
+            let illuminance = 0.2126 * sum(0) + 0.7152 * sum(1) + 0.0722 * sum(2);
+            assert!((row[15] - illuminance).abs() < 1e-4, "{row:?}");
+            assert!(row[9..15].iter().all(|v| *v > 0.0), "{row:?}");
+        }
     }
+}
+
+#[test]
+fn reference_goes_on_to_the_error_that_is_asked_for() {
+    let desk = desk();
+    let told =
+        |command: &str| -> Value { serde_json::from_str(&desk.done(&format!("{command} --json"))).expect("one JSON document") };
+    let reached = told("reference cornell.ron --points points.csv --out traced.csv --error 0.02");
+    assert!(reached["worst_relative_error"].as_f64() <= Some(0.02) && reached["missed"] == 0, "{reached}");
+    let capped = told("reference cornell.ron --points points.csv --out traced.csv --error 0.001 --paths 10000");
+    assert!(capped["missed"] == 2 && capped["paths"] == 2 * 10_240, "{capped}");
 }
 
 #[test]

@@ -184,7 +184,8 @@ fn merge(cells: &Level, origin: DVec3) -> Grid {
     let origin = low - origin * size * 2f64.powi(steps);
     for _ in 0..=steps {
         let below = grid.levels.last().unwrap_or(cells);
-        let voxel: Vec<[i64; 3]> = below.centre.iter().map(|c| ((*c - origin) / size).floor().to_array().map(|v| v as i64)).collect();
+        let voxel: Vec<[i64; 3]> =
+            below.centre.iter().map(|c| ((*c - origin) / size).floor().to_array().map(|v| v as i64)).collect();
         size *= 2.0;
         // Union-find: each entry is an earlier patch of the same part, or itself.
         let mut part: Vec<u32> = (0..below.len() as u32).collect();
