@@ -84,8 +84,12 @@ pub fn locate(world: &World, point: DVec3, normal: DVec3) -> Option<Place> {
 /// Reads the light at a place. `indirect` must stem from buckets of indirect light only.
 pub fn read(world: &World, indirect: &Reconstruction, place: &Place) -> Reading {
     let mut sum = Irradiance::default();
-    for Element { object, cell, side } in &place.elements {
-        sum.add(&indirect.point(*object, *cell, *side, place.point));
+    for (n, Element { object, cell, side }) in place.elements.iter().enumerate() {
+        // A triangle that is listed twice has its light once.
+        let same = |e: &Element| (e.object, e.side) == (*object, *side) && indirect.same_place(*object, e.cell, *cell);
+        if !place.elements[..n].iter().any(same) {
+            sum.add(&indirect.point(*object, *cell, *side, place.point));
+        }
     }
     Reading { direct: direct(world, place.point, place.normal), indirect: sum }
 }

@@ -127,6 +127,12 @@ impl<'s> Reconstruction<'s> {
         irradiance((estimate.value + rise).max(estimate.value * 0.5), estimate)
     }
 
+    /// Whether two cells of an object are one in two copies of their triangle: each is told the light of both.
+    pub fn same_place(&self, object: usize, a: u32, b: u32) -> bool {
+        let patches = &self.shapes.get(object).patches;
+        a == b || (patches.of_cell(a).is_some() && patches.of_cell(a) == patches.of_cell(b))
+    }
+
     fn find(&self, object: usize, cell: u32, side: usize) -> Option<(usize, &Estimate, &[Estimate])> {
         let estimates = self.sides[object][side].as_ref()?;
         let patch = self.shapes.get(object).patches.of_cell(cell)?;
