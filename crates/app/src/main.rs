@@ -15,6 +15,7 @@ mod picture;
 mod probe;
 mod progress;
 mod replay;
+mod report;
 mod solve;
 #[cfg(feature = "window")]
 mod view;
@@ -49,6 +50,8 @@ enum Command {
     Frames(frames::Arguments),
     /// Repair the light after scripted moves, in several orders, and compare their work
     Replay(replay::Arguments),
+    /// Measure speed against error, from the cold start and after every edit, and write it as one page
+    Report(report::Arguments),
     /// Read irradiance at points of surfaces
     Probe(probe::Arguments),
     /// Say what is in a scene and what is wrong with it
@@ -167,6 +170,7 @@ fn main() -> ExitCode {
         Command::Apply(arguments) => apply::run(&arguments),
         Command::Frames(arguments) => frames::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
