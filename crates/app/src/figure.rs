@@ -150,10 +150,8 @@ fn draw<B: DrawingBackend>(place: &DrawingArea<B, Shift>, panel: &Panel) -> Draw
                 .configure_mesh()
                 .x_desc(&panel.across)
                 .y_desc(&panel.upwards)
-                .x_labels(ticks(log_x, &(first..last)))
-                .y_labels(ticks(log_y, &(bottom..top)))
-                .x_label_formatter(&|x| if log_x { round_label(x, &(first..last)) } else { label(x) })
-                .y_label_formatter(&|y| if log_y { round_label(y, &(bottom..top)) } else { label(y) })
+                .x_label_formatter(&label)
+                .y_label_formatter(&label)
                 .label_style((FONT, 13))
                 .axis_desc_style((FONT, 14))
                 .light_line_style(WHITE)
@@ -180,25 +178,22 @@ fn draw<B: DrawingBackend>(place: &DrawingArea<B, Shift>, panel: &Panel) -> Draw
                 .draw()?;
         }};
     }
+    let logarithmic = |range: Range<f64>| range.clone().log_scale().with_key_points(round(&range));
     let x = first * 0.8..last * 1.1;
     match panel.axes {
         Axes::Linear => draw_on!(builder.build_cartesian_2d(0.0..last, 0.0..top * 1.05)?),
-        Axes::LogX => draw_on!(builder.build_cartesian_2d(x.log_scale(), 0.0..top)?),
-        Axes::LogLog => draw_on!(builder.build_cartesian_2d(x.log_scale(), (bottom * 0.8..top * 1.25).log_scale())?),
+        Axes::LogX => draw_on!(builder.build_cartesian_2d(logarithmic(x), 0.0..top)?),
+        Axes::LogLog => draw_on!(builder.build_cartesian_2d(logarithmic(x), logarithmic(bottom * 0.8..top * 1.25))?),
     }
     Ok(())
 }
 
-/// Places of labels: the tenths of every decade on a logarithmic axis.
-fn ticks(logarithmic: bool, range: &Range<f64>) -> usize {
-    if logarithmic { 10 * ((range.end / range.start).log10().floor() as usize).max(1) } else { 10 }
-}
-
-/// The label of a place on a logarithmic axis: 1, 2 and 5 times a power of ten, powers of ten alone where there are many; no other.
-fn round_label(x: &f64, range: &Range<f64>) -> String {
-    let tens = 10f64.powf((x.log10() + 1e-9).floor());
-    let round: &[f64] = if range.end / range.start > 1e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    if round.iter().any(|r| (x / tens - r).abs() < 1e-6) { label(x) } else { String::new() }
+/// Where a logarithmic axis has labels: 1, 2 and 5 times powers of ten; powers of ten alone where there are many.
+fn round(range: &Range<f64>) -> Vec<f64> {
+    let [first, last] = [range.start, range.end].map(|end| end.log10().floor() as i32);
+    let steps: &[f64] = if last - first > 3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let places = (first..=last).flat_map(|tens| steps.iter().map(move |step| step * 10f64.powi(tens)));
+    places.filter(|place| range.contains(place)).collect()
 }
 
 fn label(x: &f64) -> String {
@@ -211,14 +206,10 @@ mod tests {
 
     #[test]
     fn logarithmic_axes_have_round_labels() {
-        let told = |range: Range<f64>| {
-            let places = (1..=30).map(|n| f64::from(n) * 0.01).filter(|x| range.contains(x));
-            places.map(|x| round_label(&x, &range)).filter(|l| !l.is_empty()).collect::<Vec<_>>()
-        };
-        assert_eq!(told(0.01..0.5), ["0.01", "0.02", "0.05", "0.1", "0.2"]);
-        assert_eq!(told(0.001..2.0), ["0.01", "0.1"]);
-        assert_eq!(round_label(&200_000.0, &(1e5..1e6)), "2e5");
-        assert_eq!([ticks(true, &(0.01..0.5)), ticks(true, &(1.0..2.0)), ticks(false, &(0.0..1.0))], [10, 10, 10]);
-        assert_eq!(ticks(true, &(1.0..1e4)), 40);
+        let told = |range| round(&range).iter().map(label).collect::<Vec<_>>();
+        assert_eq!(told(0.013..0.6), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
+        assert_eq!(told(0.01..300.0), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(told(8e3..6e5), ["1e4", "2e4", "5e4", "1e5", "2e5", "5e5"]);
+        assert_eq!(told(0.002..0.0061), ["2e-3", "5e-3"]);
     }
 }
