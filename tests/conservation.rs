@@ -1,13 +1,6 @@
 //! Photons are neither lost nor made.
 
-use glam::Vec3;
-use lightmend_photon::{
-    path::{End, FirstHits, Record, reflectance, trace},
-    pool::PhotonIndex,
-    record::Tally,
-    triangle::Hit,
-    world::World,
-};
+use lightmend_photon::{balance::Balance, path::FirstHits, record::Tally};
 use lightmend_scene::Configuration;
 use lightmend_tests::{Builder, count, own_scene, own_scene_untextured, pool, shoot, world};
 
@@ -29,27 +22,6 @@ fn no_photon_leaves_a_closed_room() {
     }
 }
 
-/// Per photon, what all surfaces absorb of it on average: Σ (1 − ρ) · throughput, and what escapes.
-#[derive(Default)]
-struct Balance {
-    photon: Vec3,
-    rays: u64,
-}
-
-impl Record for Balance {
-    fn hit(&mut self, hit: &Hit, _: u8, throughput: Vec3, _: u16, _: bool, world: &World) {
-        self.photon += throughput * (Vec3::ONE - reflectance(world, hit));
-    }
-    fn end(&mut self, end: End, throughput: Vec3, _: u16) {
-        if end != End::Absorbed {
-            self.photon += throughput;
-        }
-    }
-    fn ray(&mut self) {
-        self.rays += 1;
-    }
-}
-
 #[test]
 fn energy_is_conserved_per_channel() {
     // Absorbed by all surfaces, Σ (1 − ρ) · incident from the buckets, is emitted − escaped − cut, within 4 standard errors of the
@@ -64,6 +36,7 @@ fn energy_is_conserved_per_channel() {
         let world = world(&scene);
         let solution = shoot(pool(photons), &world, FirstHits::Always);
         let unit = f64::from(1u32 << lightmend_photon::bucket::ENERGY_BITS);
+        assert!(Balance::trace(solution.rules(), &world, photons).is_held_by(solution.buckets()), "{}", scene.name);
         let mut kept = [0.0; 3];
         for (at, bucket) in solution.buckets().lit() {
             let object = world.object(at.object as usize);
@@ -74,19 +47,12 @@ fn energy_is_conserved_per_channel() {
             }
         }
         // The scatter of a photon's balance about 1, from a share of the pool.
-        let sample = photons.min(200_000);
-        let mut squares = [0.0; 3];
-        for index in 0..sample {
-            let mut balance = Balance::default();
-            trace(solution.rules(), &world, PhotonIndex(index), &mut balance);
-            for c in 0..3 {
-                squares[c] += (f64::from(balance.photon[c]) - 1.0).powi(2);
-            }
-        }
+        let sample = Balance::trace(solution.rules(), &world, photons.min(200_000));
+        assert!(sample.is_whole());
         for c in 0..3 {
             let lost: i64 = solution.tallies().iter().map(|t| t.escaped_energy[c] + t.cut_energy[c]).sum();
             let given = photons as f64 - lost as f64 / unit;
-            let standard_error = (squares[c] / sample as f64 * photons as f64).sqrt();
+            let standard_error = sample.standard_error[c] * (sample.photons as f64 * photons as f64).sqrt();
             println!("{} channel {c}: kept {:.1} of {given:.1} photons, standard error {standard_error:.1}", scene.name, kept[c]);
             assert!((kept[c] - given).abs() < 4.0 * standard_error, "{}, channel {c}", scene.name);
         }

@@ -186,7 +186,7 @@ fn a_photon_that_ends_otherwise_is_relevant() {
     let edit = Edit::Reflect { material: "of floor".into(), to: DVec3::new(0.2, 0.3, 0.1) };
     let after = Arc::new(drained.world().moved_to(&Configuration::initial(&scene).apply(&edit).unwrap()));
     let relevant = Relevant::find(drained.pool(), drained.rules(), drained.world(), &after);
-    let oracle = recover(&drained, &after, Order::Oracle, &relevant, FirstHits::AsLampsSay, &mut |_| true).unwrap();
+    let oracle = recover(&drained, &after, Order::Oracle, &relevant, &mut |_| true).unwrap();
     assert!(oracle.solution.equals(&shoot(*drained.pool(), &after, FirstHits::AsLampsSay)));
 }
 

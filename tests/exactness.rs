@@ -141,7 +141,7 @@ fn every_order_drains_to_the_same_bits_and_local_repair_is_cheaper_than_a_restar
         assert!(relevant.count() > 0);
         let fresh = shoot(*drained.pool(), &Arc::new(World::new(&configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
         let rays = [Order::Stateless, Order::Random, Order::Oracle, Order::Restart].map(|order| {
-            let recovery = recover(&drained, &after, order, &relevant, FirstHits::AsLampsSay, &mut |_| true).unwrap();
+            let recovery = recover(&drained, &after, order, &relevant, &mut |_| true).unwrap();
             assert_equal(&recovery.solution, &fresh);
             let last = recovery.moments.last().unwrap();
             assert_eq!(last.repaired, relevant.count(), "{order:?}");

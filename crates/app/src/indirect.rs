@@ -2,8 +2,10 @@
 
 use lightmend_photon::{
     bucket::Buckets,
+    field::{Field, Side},
     irradiance::Scale,
     reconstruction::{Reconstruction, Shapes},
+    world::World,
 };
 use lightmend_raster::{Indirect, side_light};
 use lightmend_scene::{Configuration, luminance};
@@ -23,6 +25,18 @@ impl IndirectLight {
         let light = Reconstruction::new(&self.shapes, configuration, buckets, scale, lamps);
         let of_object = |id| [0, 1].map(|side| Some(side_light(&light.vertices(id, side)?)));
         (0..configuration.object_slots()).into_par_iter().map(of_object).collect()
+    }
+
+    /// Irradiance of every element side, reconstructed.
+    pub fn field(&mut self, world: &World, buckets: &Buckets, scale: &Scale) -> Field {
+        let configuration = world.configuration();
+        self.shapes.learn(configuration);
+        let light = Reconstruction::new(&self.shapes, configuration, buckets, scale, configuration.lamp_slots());
+        Field::read(world, |object, cell, side| Side {
+            irradiance: light.cell(object, cell, side).value,
+            area: world.object(object).lattice.area(cell),
+            hits: 0,
+        })
     }
 
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.

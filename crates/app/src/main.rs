@@ -17,6 +17,7 @@ mod probe;
 mod progress;
 mod reference;
 mod replay;
+mod report;
 mod solve;
 #[cfg(feature = "window")]
 mod view;
@@ -51,6 +52,8 @@ enum Command {
     Frames(frames::Arguments),
     /// Repair the light after scripted moves, in several orders, and compare their work
     Replay(replay::Arguments),
+    /// Measure speed against error, from the cold start and after every edit, and write it as one page
+    Report(report::Arguments),
     /// Read irradiance at points of surfaces
     Probe(probe::Arguments),
     /// Path-trace irradiance at points of surfaces, without photons: what `probe` is held against
@@ -171,6 +174,7 @@ fn main() -> ExitCode {
         Command::Apply(arguments) => apply::run(&arguments),
         Command::Frames(arguments) => frames::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Probe(arguments) => probe::run(&arguments),
         Command::Reference(arguments) => reference::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

@@ -95,6 +95,15 @@ impl Buckets {
         }
     }
 
+    /// Adds the light of another pool in the same scene.
+    pub fn merge(&mut self, other: &Buckets) {
+        for (at, more) in other.lit() {
+            let bucket = &mut self.page(at)[at.cell as usize];
+            bucket.energy.iter_mut().zip(more.energy).for_each(|(sum, energy)| *sum += energy);
+            bucket.hits += more.hits;
+        }
+    }
+
     /// Sets one bucket.
     pub fn set(&mut self, at: Address, bucket: Bucket) {
         self.page(at)[at.cell as usize] = bucket;

@@ -4,8 +4,8 @@
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`], many side by side: `wave.rs`); each hit deposits ([`record`]) integer energy in a mesh
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
 //! ([`mod@reconstruction`]); a [`mod@reference`] by path tracing is what it is held against. A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
-//! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`recovery`], [`drag`], seen
-//! by a camera: [`visible`]).
+//! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`course`], [`recovery`], [`drag`], seen
+//! by a camera: [`visible`]). All element sides together are a [`field`], which a reference judges ([`accuracy`], [`balance`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
 //!
@@ -23,13 +23,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod accuracy;
+pub mod balance;
 pub mod body;
 mod boxes;
 pub mod bucket;
 mod collapse;
+pub mod course;
 pub mod courtesy;
 pub mod drag;
 pub mod emission;
+pub mod field;
 mod first_segment;
 pub mod halton;
 mod hash;

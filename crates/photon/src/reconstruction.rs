@@ -10,7 +10,7 @@ pub mod patches;
 mod tests;
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, ENERGY_BITS},
     irradiance::{Irradiance, Scale},
 };
 use glam::DVec3;
@@ -88,6 +88,8 @@ impl Shapes {
 pub struct Reconstruction<'s> {
     shapes: &'s Shapes,
     configuration: Configuration,
+    /// What one photon of the strongest lamp brings, lumens per channel.
+    photon: DVec3,
     /// Per object and side, of the level-0 patches.
     sides: Vec<[Option<Vec<Estimate>>; 2]>,
 }
@@ -108,23 +110,41 @@ impl<'s> Reconstruction<'s> {
             })
         };
         let sides = (0..configuration.object_slots()).into_par_iter().map(of_object).collect();
-        Reconstruction { shapes, configuration: configuration.clone(), sides }
+        let strongest = (0..lamps).fold(DVec3::ZERO, |most, lamp| most.max(scale.lumens(lamp)));
+        let photon = strongest * (1u64 << ENERGY_BITS) as f64;
+        Reconstruction { shapes, configuration: configuration.clone(), photon, sides }
     }
 
-    /// Irradiance of one side (0: front, 1: back) of a cell: its mean.
+    /// Irradiance of one side (0: front, 1: back) of a cell: its mean. Hits are not counted.
     pub fn cell(&self, object: usize, cell: u32, side: usize) -> Irradiance {
-        self.find(object, cell, side).map_or(Irradiance::default(), |(_, estimate, _)| irradiance(estimate.value, estimate))
+        self.find(object, cell, side)
+            .map_or_else(|| self.dark(object, cell), |(_, e, _)| self.irradiance(object, cell, e.value, e))
     }
 
-    /// Irradiance of one side of a cell at a point of it, metres, in the scene: the cell's, followed along its gradient.
+    /// Irradiance of one side of a cell at a point of it, metres, in the scene: the cell's, followed along its gradient. Hits are not counted.
     pub fn point(&self, object: usize, cell: u32, side: usize, point: DVec3) -> Irradiance {
-        let Some((patch, estimate, estimates)) = self.find(object, cell, side) else { return Irradiance::default() };
+        let Some((patch, estimate, estimates)) = self.find(object, cell, side) else { return self.dark(object, cell) };
         let cells = &self.shapes.get(object).patches.cells;
         let motion = self.configuration.object_motion(object);
         let step = motion.rotation.transpose() * (point - motion.translation) - cells.centre[patch];
         let rise = DVec3::from_array(gradient(cells, estimates, patch).map(|g| g.dot(step)));
         // No darker than half of the cell: a gradient says nothing of what lies beyond its fit.
-        irradiance((estimate.value + rise).max(estimate.value * 0.5), estimate)
+        self.irradiance(object, cell, (estimate.value + rise).max(estimate.value * 0.5), estimate)
+    }
+
+    /// An estimate as irradiance: colours are as uncertain as illuminance.
+    fn irradiance(&self, object: usize, cell: u32, value: DVec3, estimate: &Estimate) -> Irradiance {
+        let light = luminance(estimate.value);
+        if light <= 0.0 {
+            return self.dark(object, cell);
+        }
+        Irradiance { value, standard_error: estimate.value * (estimate.variance.sqrt() / light), hits: 0 }
+    }
+
+    /// Where no photon came, one could have: its light is the error.
+    fn dark(&self, object: usize, cell: u32) -> Irradiance {
+        let area = self.configuration.object(object).lattice.area(cell);
+        Irradiance { standard_error: self.photon / area, ..Irradiance::default() }
     }
 
     /// Whether two cells of an object are one in two copies of their triangle: each is told the light of both.
@@ -186,12 +206,6 @@ impl<'s> Reconstruction<'s> {
             })
             .map_or(0.0, |(error, _)| *error)
     }
-}
-
-/// An estimate as irradiance: colours are as uncertain as illuminance.
-fn irradiance(value: DVec3, estimate: &Estimate) -> Irradiance {
-    let relative = estimate.variance.sqrt() / luminance(estimate.value).max(f64::MIN_POSITIVE);
-    Irradiance { value, standard_error: estimate.value * relative, hits: 0 }
 }
 
 /// What photons brought to the level-0 patches of one side of an object; `None` if none ever came.

@@ -4,9 +4,9 @@
 //! configuration and the edited one; found by brute force. The seed draws such curves in its Figures 5 and 7.
 
 use crate::{
-    hash::shuffle,
+    course::Course,
     ledger::LedgerSolution,
-    path::{FirstHits, Rules, trace},
+    path::{Rules, trace},
     pool::{PhotonIndex, Pool},
     record::Trail,
     shooting::Work,
@@ -111,108 +111,37 @@ pub fn reached(moments: &[Moment], share: f64, relevant: u64) -> Moment {
     moments[moments.partition_point(|m| m.repaired < wanted).min(moments.len() - 1)]
 }
 
-/// Photons between two moments of orders without groups.
-const BLOCK: usize = 2048;
-
-/// Repairs a drained solution after an edit to `after`, in the given order. `progress` may end it by returning `false`: `None`. `None`
-/// also if the ledger refuses the edit.
+/// Repairs a drained solution after an edit to `after`, in the given order. `progress` hears of the share that is done and may end it by
+/// returning `false`: `None`. `None` also if the ledger refuses the edit.
 pub fn recover(
     drained: &Solution,
     after: &Arc<World>,
     order: Order<'_>,
     relevant: &Relevant,
-    first_hits: FirstHits,
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Option<Recovery> {
-    let mut recording = Recording { start: Instant::now(), moments: vec![Moment::default()], last: Moment::default() };
-    let pool = *drained.pool();
-    let total = pool.photons() as f64;
-    let mut kept = None;
-    let solution = match order {
-        Order::Ledger(start) => {
-            let mut ledger = start.clone();
-            recording.start = Instant::now();
-            ledger.change(after.clone()).ok()?;
-            let scan = Instant::now();
-            ledger.scan(usize::MAX);
-            let scan_seconds = scan.elapsed().as_secs_f64();
-            let marked = ledger.outstanding_photons();
-            while let Some(mended) = ledger.repair_next() {
-                recording.last.replayed += mended.replayed;
-                recording.add(mended.work, relevant.among(mended.photons.iter().copied()));
-                if !progress(recording.last.repaired as f64 / relevant.count.max(1) as f64) {
-                    return None;
-                }
-            }
-            let solution = ledger.to_solution()?;
-            kept = Some(Kept { ledger, scan_seconds, marked });
-            solution
-        }
-        Order::Restart => {
-            let mut shot = 0;
-            let flags = &relevant.flags;
-            let mut interrupted = false;
-            let solution = Solution::shoot(pool, after.clone(), first_hits, &mut |photons, rays| {
-                let new = flags[shot as usize..photons as usize].iter().filter(|f| **f).count() as u64;
-                recording.add(Work { photons: photons - shot, rays }, new);
-                shot = photons;
-                interrupted = !progress(photons as f64 / total);
-                !interrupted
-            })?;
-            if interrupted {
-                return None;
-            }
-            solution
-        }
-        Order::Stateless => {
-            let mut solution = drained.clone();
-            recording.start = Instant::now();
-            solution.change(after.clone());
-            while let Some(repaired) = solution.repair_next() {
-                recording.add(repaired.work, relevant.among(pool.photons_of(repaired.group)));
-                if !progress(recording.last.work.photons as f64 / total) {
-                    return None;
-                }
-            }
-            solution
-        }
-        Order::Random | Order::Oracle => {
-            let mut photons: Vec<PhotonIndex> = (0..pool.photons()).map(PhotonIndex).collect();
-            let oracle = matches!(order, Order::Oracle);
-            if oracle {
-                photons.retain(|i| relevant.flags[i.0 as usize]);
-            } else {
-                shuffle(&mut photons);
-            }
-            let mut solution = drained.clone();
-            recording.start = Instant::now();
-            solution.change(after.clone());
-            let blocks = if oracle { BLOCK / 8 } else { BLOCK };
-            for block in photons.chunks(blocks) {
-                let work = solution.repair_photons(block);
-                recording.add(work, relevant.among(block.iter().copied()));
-                if !progress(recording.last.work.photons as f64 / photons.len() as f64) {
-                    return None;
-                }
-            }
-            solution.settle_all();
-            solution
-        }
+    let mut course = match order {
+        Order::Ledger(ledger) => Course::ledger(ledger),
+        Order::Stateless => Course::stateless(drained),
+        Order::Random => Course::random(drained),
+        Order::Oracle => Course::oracle(drained, relevant.photons().collect()),
+        Order::Restart => Course::restart(*drained.pool(), drained.rules().clone(), after.clone()),
     };
-    Some(Recovery { moments: recording.moments, solution, kept })
-}
-
-struct Recording {
-    start: Instant,
-    moments: Vec<Moment>,
-    last: Moment,
-}
-
-impl Recording {
-    fn add(&mut self, work: Work, repaired: u64) {
-        self.last.work += work;
-        self.last.repaired += repaired;
-        self.last.seconds = self.start.elapsed().as_secs_f64();
-        self.moments.push(self.last);
+    let mut moment = Moment::default();
+    let mut moments = vec![moment];
+    let start = Instant::now();
+    let scan = course.change(after.clone()).ok()?;
+    while let Some(step) = course.step().ok()? {
+        moment.work += step.work;
+        moment.replayed += step.replayed;
+        moment.repaired += relevant.among(step.photons.iter().copied());
+        moment.seconds = start.elapsed().as_secs_f64();
+        moments.push(moment);
+        if !progress(course.share()) {
+            return None;
+        }
     }
+    let (solution, ledger) = course.finish()?;
+    let kept = ledger.map(|ledger| Kept { ledger, scan_seconds: scan.seconds, marked: scan.marked });
+    Some(Recovery { moments, solution, kept })
 }

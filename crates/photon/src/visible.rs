@@ -3,7 +3,7 @@
 //! Visible error is the RMS over the camera's pixels of the difference of irradiance from the drained state, over the RMS of the
 //! drained state. The camera looks at the drained world.
 
-use crate::{bucket::Buckets, irradiance::Scale, path, triangle::Ray, world::World};
+use crate::{bucket::Buckets, field::Field, irradiance::Scale, path, triangle::Ray, world::World};
 use glam::{DVec3, Vec3};
 use lightmend_scene::{Up, View};
 use rayon::prelude::*;
@@ -107,6 +107,11 @@ impl Visible {
     pub fn values(&self, light: &Buckets, scale: &Scale) -> Vec<[f32; 3]> {
         let value = |s: &Side| scale.irradiance(light, s.object, s.cell, s.side, s.area).value.as_vec3().to_array();
         self.sides.iter().map(value).collect()
+    }
+
+    /// The same, of a field of the world that is looked at.
+    pub fn values_of(&self, field: &Field) -> Vec<[f32; 3]> {
+        self.sides.iter().map(|s| field.side(s.object, s.cell, s.side).irradiance.as_vec3().to_array()).collect()
     }
 
     /// Visible error of [`values`](Self::values) against the drained ones; 0 if nothing is seen.

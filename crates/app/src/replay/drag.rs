@@ -3,7 +3,7 @@
 use super::{Chapter, OrderArgument, orders_of};
 use crate::{
     failure::Failure,
-    figure::{Curve, Panel},
+    figure::{Axes, Curve, Panel},
     progress,
 };
 use lightmend_photon::{
@@ -91,7 +91,7 @@ pub fn panel(scene: &str, chapter: &Chapter, drag: &Drag, work: u64) -> Panel {
         title: format!("{scene}, {}, {work} rays a frame", chapter.title),
         across: "seconds since the drag began".into(),
         upwards: "outstanding change in the picture, %".into(),
-        logarithmic: false,
+        axes: Axes::Linear,
         curves: drag.iter().map(|(name, frames)| Curve { name, points: points(frames) }).collect(),
     }
 }

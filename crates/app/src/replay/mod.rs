@@ -67,7 +67,7 @@ fn orders_of<'a>(
 }
 
 /// Bytes that the ledger may take; above it that order is left out.
-const LEDGER_LIMIT: u64 = 8 << 30;
+pub const LEDGER_LIMIT: u64 = 8 << 30;
 
 /// One order's way back to exact light after one edit.
 pub struct Track {
@@ -207,7 +207,8 @@ fn begin_ledger(drained: &Solution, quiet: bool) -> Result<Option<LedgerSolution
     }
 }
 
-fn title(edit: &Edit) -> String {
+/// What an edit does, in a few words.
+pub fn title(edit: &Edit) -> String {
     let at = |to: &glam::DVec3| format!("({}, {}, {})", to.x, to.y, to.z);
     match edit {
         Edit::Move { object, to } => format!("{object} to {}", at(to)),
@@ -254,7 +255,7 @@ fn chapter(
     let mut recoveries = Vec::new();
     for (order, name) in orders_of(orders, ledger) {
         let bar = progress::bar(1000, &format!("{title}, {name}"), quiet);
-        let recovery = recover(drained, &after, order, &relevant, FirstHits::AsLampsSay, &mut |share| {
+        let recovery = recover(drained, &after, order, &relevant, &mut |share| {
             bar.set_position((share * 1000.0) as u64);
             !progress::interrupted()
         });

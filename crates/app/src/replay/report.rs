@@ -4,7 +4,7 @@ use super::{Chapter, drag};
 use crate::{
     Common,
     failure::Failure,
-    figure::{self, Curve, Panel},
+    figure::{self, Axes, Curve, Panel},
     output::{self, say},
 };
 use lightmend_photon::recovery::{Moment, reached};
@@ -56,11 +56,11 @@ pub fn json(chapters: &[Chapter]) -> Value {
 pub fn write(out: &Path, scene: &str, chapters: &[Chapter], work: u64, common: &Common) -> Result<(), Failure> {
     output::write(&out.join("recovery.csv"), |file| write_csv(file, chapters))?;
     let panels: Vec<Panel> = chapters.iter().map(|chapter| panel(scene, chapter)).collect();
-    let mut figures = vec![("recovery", figure::write(out, "recovery", &panels)?)];
+    let mut figures = vec![("recovery", figure::write(out, "recovery", &panels, None)?.left_out)];
     let drags: Vec<Panel> = chapters.iter().filter_map(|c| c.drag.as_ref().map(|d| drag::panel(scene, c, d, work))).collect();
     if !drags.is_empty() {
         output::write(&out.join("drag.csv"), |file| drag::write_csv(file, chapters))?;
-        figures.push(("drag", figure::write(out, "drag", &drags)?));
+        figures.push(("drag", figure::write(out, "drag", &drags, None)?.left_out));
     }
     for (stem, left_out) in figures {
         if common.talks() && !chapters.is_empty() {
@@ -81,7 +81,7 @@ fn panel(scene: &str, chapter: &Chapter) -> Panel {
         title: format!("{scene}, {} ({} of {} photons relevant)", chapter.title, chapter.relevant, chapter.photons),
         across: if oracle.is_some() { "rays traced, multiples of the oracle's total".into() } else { "rays traced".into() },
         upwards: "relevant photons repaired, %".into(),
-        logarithmic: true,
+        axes: Axes::LogX,
         curves: chapter.tracks.iter().map(|t| Curve { name: t.order, points: t.moments.iter().map(point).collect() }).collect(),
     }
 }

@@ -86,6 +86,26 @@ fn replay_keeps_whole_edits() {
 }
 
 #[test]
+fn report_keeps_whole_states() {
+    let desk = Desk::new();
+    let there_and_back =
+        ["Move(object: \"short box\", to: (1.5, 0.45, 0.0))", "Move(object: \"short box\", to: (1.32, 0.68, 0.0))"];
+    desk.moves(&there_and_back.repeat(200));
+    let (status, _, stderr) =
+        interrupted(&desk, "report cornell.ron --photons 20000 --orders stateless --script m.ron --out out --quiet");
+    assert_eq!(status, Some(1), "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
+    no_half_file(&desk);
+    // Either the first state was not yet done, and nothing is kept, or the states so far are.
+    if desk.path("out/summary.json").exists() {
+        let summary = desk.json("out/summary.json");
+        assert_eq!(summary["interrupted"], true);
+        let states = summary["scenes"][0]["states"].as_array().expect("states").len();
+        assert!((1..401).contains(&states) && desk.read("out/index.html").matches("<h3>").count() == states);
+    }
+}
+
+#[test]
 fn frames_keeps_whole_frames() {
     let desk = Desk::new();
     desk.script(&[(10_000.0, "Move(object: \"short box\", to: (1.5, 0.45, 0.0))")], &[]);

@@ -15,4 +15,5 @@ mod import;
 mod interrupt;
 mod invariants;
 mod printed;
+mod report;
 mod resume;

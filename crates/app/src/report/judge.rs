@@ -1,0 +1,120 @@
+//! What the light of one state is judged by: its reference, its first camera, and a fresh solution.
+
+use super::{
+    frames::Frames,
+    jobs::{FIRST_HITS, Job},
+    readout::READOUTS,
+};
+use crate::{failure::Failure, indirect::IndirectLight, progress};
+use lightmend_photon::{
+    accuracy::{Measures, Reference, without_own},
+    balance::Balance,
+    body::TreePreset,
+    bucket::Buckets,
+    irradiance::Scale,
+    solution::Solution,
+    visible::Visible,
+    world::World,
+};
+use lightmend_raster::Renderer;
+use std::sync::Arc;
+
+/// How wrong the light is, by one way to read it.
+#[derive(Clone, Copy)]
+pub struct Errors {
+    /// Over all element sides.
+    pub measures: Measures,
+    /// Visible error of the first camera against the reference, if there is one.
+    pub visible: Option<f64>,
+    /// Mean FLIP of its frame, where it was drawn.
+    pub flip: Option<f64>,
+}
+
+/// Judges the light of a state.
+pub struct Judge<'a> {
+    world: &'a Arc<World>,
+    reference: Reference,
+    visible: Option<Seen>,
+    frames: Option<Frames<'a>>,
+    light: IndirectLight,
+}
+
+/// What the first camera sees of the reference, and its own visible error.
+struct Seen {
+    visible: Visible,
+    right: Vec<[f32; 3]>,
+    own: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// Shoots the reference; `None` if interrupted.
+    pub fn new(
+        job: &Job,
+        world: &'a Arc<World>,
+        renderer: Option<&'a mut Renderer>,
+        quiet: bool,
+    ) -> Result<Option<Judge<'a>>, Failure> {
+        let bar = progress::bar(job.reference_photons, "reference", quiet);
+        let reference = Reference::shoot(world, &job.pool, job.reference_photons, FIRST_HITS, &mut |photons| {
+            bar.set_position(photons);
+            !progress::interrupted()
+        });
+        bar.finish_and_clear();
+        let Some(reference) = reference else { return Ok(None) };
+        let view = job.scene.cameras.first().map(|(_, view)| *view);
+        let visible = view.map(|view| {
+            let visible = Visible::new(world, &view);
+            let right = visible.values_of(&reference.field);
+            let own = visible.difference(&visible.values_of(&reference.off), &right);
+            Seen { visible, right, own }
+        });
+        let frames = match (view, renderer) {
+            (Some(view), Some(renderer)) => Frames::new(renderer, world, view, &reference)?,
+            _ => None,
+        };
+        Ok(Some(Judge { world, reference, visible, frames, light: IndirectLight::default() }))
+    }
+
+    /// Errors of light that stems from so many photons, by each way to read it; `frame` says whether to draw one too.
+    pub fn errors(&mut self, light: &Buckets, photons: u64, frame: bool) -> Result<Vec<Errors>, Failure> {
+        let scale = Scale::new(self.world, photons);
+        // A frame shows reconstructed light.
+        let frames = self.frames.as_mut().filter(|_| frame);
+        let flip = frames.map(|frames| frames.flip(light, &scale)).transpose()?;
+        READOUTS
+            .iter()
+            .map(|readout| {
+                let field = (readout.field)(&mut self.light, self.world, light, &scale);
+                let visible = self
+                    .visible
+                    .as_ref()
+                    .map(|Seen { visible, right, own }| without_own(visible.difference(&visible.values_of(&field), right), *own));
+                Ok(Errors { measures: self.reference.measure(&field), visible, flip })
+            })
+            .collect()
+    }
+
+    /// The reference's own errors.
+    pub fn own(&self) -> Errors {
+        Errors { measures: self.reference.own, visible: self.visible.as_ref().map(|seen| seen.own), flip: None }
+    }
+
+    /// Photons of the reference.
+    pub fn reference_photons(&self) -> u64 {
+        self.reference.photons
+    }
+}
+
+/// A fresh solution, with other trees, and what became of its photons; `None` if interrupted.
+pub fn fresh(job: &Job, world: &World, quiet: bool) -> Option<(Solution, Balance)> {
+    let other_trees = Arc::new(World::new(world.configuration(), TreePreset::Fast));
+    let bar = progress::bar(job.pool.photons(), "fresh solution", quiet);
+    let solution = Solution::shoot(job.pool, other_trees, FIRST_HITS, &mut |photons, _| {
+        bar.set_position(photons);
+        !progress::interrupted()
+    });
+    bar.finish_and_clear();
+    let solution = solution.filter(|s| s.pool().photons() == job.pool.photons())?;
+    let balance = Balance::trace(solution.rules(), world, job.pool.photons());
+    (!progress::interrupted()).then_some((solution, balance))
+}
