@@ -33,6 +33,10 @@ fn impossible_numbers() {
         desk.refuses(&format!("solve cornell.ron --seconds {seconds}"), &["--seconds"]);
     }
     desk.refuses("solve cornell.ron --seconds 1 --photons 20000", &["--seconds", "--photons"]);
+    for error in ["0", "-1", "nan", "some"] {
+        desk.refuses(&format!("solve cornell.ron --error {error}"), &["--error", error]);
+    }
+    desk.refuses("solve cornell.ron --error 0.1 --photons 20000", &["--error", "--photons"]);
     desk.refuses("solve cornell.ron --threads 0", &["--threads", "'0'"]);
     desk.write("points.csv", "x,y,z,nx,ny,nz\n1,0.2,0,0,0,1\n");
     for error in ["0", "1", "-1", "nan", "some"] {

@@ -141,6 +141,18 @@ fn points_keep_the_contract() {
 }
 
 #[test]
+fn solving_goes_on_to_the_error_that_is_asked_for() {
+    let desk = desk();
+    let solve = |error: &str| -> Value {
+        serde_json::from_str(&desk.done(&format!("solve cornell.ron --error {error} --json"))).expect("JSON")
+    };
+    let (coarse, fine) = (solve("0.1"), solve("0.05"));
+    let [error, finer] = [&coarse, &fine].map(|told| told["median_error"].as_f64().expect("a number"));
+    assert!(error <= 0.1 && (0.03..=0.05).contains(&finer), "{error} {finer}");
+    assert!(coarse["photons"].as_u64() <= fine["photons"].as_u64());
+}
+
+#[test]
 fn reference_goes_on_to_the_error_that_is_asked_for() {
     let desk = desk();
     let told =

@@ -69,7 +69,10 @@ fn what_is_written_is_what_is_documented() {
         for order in orders {
             let told = &state["orders"][order];
             assert_eq!(told["bit_equal_to_fresh"], true, "{order}");
+            assert_eq!(keys(&told["readouts"]), ["raw", "reconstructed"]);
             let raw = &told["readouts"]["raw"];
+            let nrmse = |readout: &str| told["readouts"][readout]["drained"]["nrmse"].as_f64().expect("a number");
+            assert!(nrmse("reconstructed") < nrmse("raw"), "{order}");
             assert_eq!(keys(raw), ["curve", "drained", "near_drained"]);
             let curve = array(raw, "curve");
             assert!(curve.len() >= 4, "{order}: {} checkpoints", curve.len());
@@ -104,7 +107,11 @@ fn what_is_written_is_what_is_documented() {
     let page = desk.read("out/index.html");
     assert!(!page.replace("http://www.w3.org/2000/svg", "").contains("http"), "a link");
     assert!(page.contains("</html>") && page.matches("<svg").count() == 6);
-    assert_eq!(desk.read("out/table.csv").lines().count(), 1 + 2 + 4 + 4);
+    assert_eq!(
+        desk.read("out/table.csv").lines().count(),
+        1 + 2 * (2 + 4 + 4),
+        "a header, and each order twice: raw and reconstructed"
+    );
 }
 
 fn stem(scene: &Value) -> String {
