@@ -12,6 +12,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// Where the points come from and where their light goes: what `probe` and `reference` have in common.
+#[derive(clap::Args)]
+pub struct Files {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Points: a CSV file with the header x,y,z,nx,ny,nz (metres; unit normals, whose side counts)
+    #[arg(long, value_name = "IN.csv")]
+    pub points: PathBuf,
+    /// The CSV file to write; `probe` and `reference` have the same columns
+    #[arg(long, value_name = "OUT.csv")]
+    pub out: PathBuf,
+}
+
 /// The points of a file.
 pub struct Points {
     path: PathBuf,

@@ -4,7 +4,7 @@ use crate::{
     Common, PoolArguments,
     failure::Failure,
     output::{self, say},
-    points::{self, Light, Points},
+    points::{self, Files, Light, Points},
     progress,
 };
 use lightmend_photon::{
@@ -17,18 +17,12 @@ use lightmend_photon::{
     world::World,
 };
 use lightmend_scene::Configuration;
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene file
-    scene: PathBuf,
-    /// Points: a CSV file with the header x,y,z,nx,ny,nz (metres; unit normals, whose side counts)
-    #[arg(long, value_name = "IN.csv")]
-    points: PathBuf,
-    /// The CSV file to write
-    #[arg(long, value_name = "OUT.csv")]
-    out: PathBuf,
+    #[command(flatten)]
+    files: Files,
     #[command(flatten)]
     pool: PoolArguments,
     #[command(flatten)]
@@ -36,12 +30,12 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let common = &arguments.common;
+    let Arguments { files, common, .. } = arguments;
     common.set_up()?;
-    let points = Points::read(&arguments.points)?;
-    let scene = common.read_scene(&arguments.scene)?;
+    let points = Points::read(&files.points)?;
+    let scene = common.read_scene(&files.scene)?;
     let pool = arguments.pool.pool(&scene)?;
-    output::file(&arguments.out)?;
+    output::file(&files.out)?;
     let world = Arc::new(World::new(&Configuration::initial(&scene), TreePreset::default()));
     let places = points.locate(&world)?;
     let bar = progress::bar(pool.photons(), "shooting photons", common.quiet);
@@ -57,11 +51,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let shapes = Shapes::of(configuration);
     let indirect = Reconstruction::new(&shapes, configuration, solution.buckets(), &scale, configuration.lamp_slots());
     let readings = places.iter().map(|place| (place, Light::from(read(&world, &indirect, place))));
-    output::write(&arguments.out, |file| points::write(file, readings))?;
+    output::write(&files.out, |file| points::write(file, readings))?;
     if common.json {
-        output::json(None, &serde_json::json!({ "points": places.len(), "photons": photons, "out": arguments.out }), true)?;
+        output::json(None, &serde_json::json!({ "points": places.len(), "photons": photons, "out": files.out }), true)?;
     } else if common.talks() {
-        say(&format!("{} points read from {photons} photons: {}", places.len(), arguments.out.display()));
+        say(&format!("{} points read from {photons} photons: {}", places.len(), files.out.display()));
     }
     if progress::interrupted() { Err(Failure::failed(format!("interrupted; {photons} photons were kept"))) } else { Ok(()) }
 }

@@ -4,7 +4,7 @@ use crate::{
     Common,
     failure::Failure,
     output::{self, say},
-    points::{self, Light, Points},
+    points::{self, Files, Light, Points},
     progress,
 };
 use lightmend_photon::{
@@ -14,18 +14,11 @@ use lightmend_photon::{
     world::World,
 };
 use lightmend_scene::Configuration;
-use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Scene file
-    scene: PathBuf,
-    /// Points: a CSV file with the header x,y,z,nx,ny,nz (metres; unit normals, whose side counts)
-    #[arg(long, value_name = "IN.csv")]
-    points: PathBuf,
-    /// The CSV file to write, with the columns of `probe`
-    #[arg(long, value_name = "OUT.csv")]
-    out: PathBuf,
+    #[command(flatten)]
+    files: Files,
     /// Paths per point, 32,768 by default; at least 32, one for each batch whose scatter gives the standard errors. More: less noise
     /// (half for four times as many). With --error the most per point, 4,194,304 by default
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
@@ -56,11 +49,11 @@ fn parse_share(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let common = &arguments.common;
+    let Arguments { files, common, .. } = arguments;
     common.set_up()?;
-    let points = Points::read(&arguments.points)?;
-    let scene = common.read_scene(&arguments.scene)?;
-    output::file(&arguments.out)?;
+    let points = Points::read(&files.points)?;
+    let scene = common.read_scene(&files.scene)?;
+    output::file(&files.out)?;
     let world = World::new(&Configuration::initial(&scene), TreePreset::default());
     let places = points.locate(&world)?;
     let plan = arguments.plan();
@@ -83,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let direct = direct(&world, place.point, place.normal);
         (*place, Light { direct, indirect: estimate.value(), standard_error: estimate.standard_error() })
     });
-    output::write(&arguments.out, |file| points::write(file, lit))?;
+    output::write(&files.out, |file| points::write(file, lit))?;
 
     let mut errors: Vec<f64> = known.iter().map(|(_, estimate)| estimate.relative_error()).collect();
     errors.sort_by(f64::total_cmp);
@@ -93,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if common.json {
         let summary = serde_json::json!({
             "points": known.len(), "paths": paths, "median_relative_error": median, "worst_relative_error": worst,
-            "missed": missed, "out": arguments.out,
+            "missed": missed, "out": files.out,
         });
         output::json(None, &summary, true)?;
     } else if common.talks() {
@@ -101,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!(
             "{} points, {paths} paths, standard error {median:.2} % (median), {worst:.2} % (worst): {}",
             known.len(),
-            arguments.out.display()
+            files.out.display()
         ));
         if missed > 0 {
             say(&format!("{missed} points are less sure than was asked for: raise --paths"));

@@ -16,8 +16,8 @@ use crate::{
 use lightmend_scene::luminance;
 use std::sync::Arc;
 
-/// Sides count for the relative error if the reference exceeds this share of its mean.
-const DIM: f64 = 0.05;
+/// Sides count for the relative error if their light exceeds this share of its mean.
+pub(crate) const DIM: f64 = 0.05;
 
 /// How far a field is from a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,11 @@ pub fn relative_errors<const N: usize>(field: &Field, reference: &Field, quantil
         let (now, level) = (luminance(now.irradiance), luminance(right.irradiance));
         (right.hits > 0 && level > DIM * mean).then(|| ((now - level).abs() / level, right.area))
     };
-    let mut errors: Vec<(f64, f64)> = field.sides().iter().zip(reference.sides()).filter_map(of).collect();
+    quantiles_by_area(field.sides().iter().zip(reference.sides()).filter_map(of).collect(), quantiles)
+}
+
+/// Quantiles of errors that count with their area: the smallest that so much of all area does not exceed. 0 without any.
+pub(crate) fn quantiles_by_area<const N: usize>(mut errors: Vec<(f64, f64)>, quantiles: [f64; N]) -> [f64; N] {
     errors.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let total: f64 = errors.iter().map(|(_, area)| area).sum();
     quantiles.map(|quantile| {

@@ -10,6 +10,7 @@ pub mod patches;
 mod tests;
 
 use crate::{
+    accuracy::{DIM, quantiles_by_area},
     bucket::{Buckets, ENERGY_BITS},
     irradiance::{Irradiance, Scale},
 };
@@ -193,18 +194,10 @@ impl<'s> Reconstruction<'s> {
             }
         }
         let (light, area) = lit.iter().fold((0.0, 0.0), |(l, a), (light, _, area)| (l + light * area, a + area));
-        let bright = lit.iter().filter(|(l, _, _)| *l * area > 0.05 * light);
-        let mut errors: Vec<(f64, f64)> = bright.map(|(light, error, area)| (0.6745 * error / light, *area)).collect();
-        errors.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let half = errors.iter().map(|(_, area)| area).sum::<f64>() / 2.0;
-        let mut so_far = 0.0;
-        errors
-            .iter()
-            .find(|(_, area)| {
-                so_far += area;
-                so_far >= half
-            })
-            .map_or(0.0, |(error, _)| *error)
+        let bright = lit.iter().filter(|(l, _, _)| *l * area > DIM * light);
+        let errors = bright.map(|(light, error, area)| (0.6745 * error / light, *area)).collect();
+        let [median] = quantiles_by_area(errors, [0.5]);
+        median
     }
 }
 
@@ -214,7 +207,7 @@ fn sums(patches: &Patches, buckets: &Buckets, scale: &Scale, [object, side]: [us
     if pages.is_empty() {
         return None;
     }
-    let mut sums = vec![Sum::default(); patches.cells.len()];
+    let mut sums = vec![Sum::default(); patches.cells.count()];
     for (page, lumens) in &pages {
         for (cell, bucket) in page.iter().enumerate().filter(|(_, bucket)| bucket.hits > 0) {
             let Some(patch) = patches.of_cell(cell as u32) else { continue };

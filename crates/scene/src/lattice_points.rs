@@ -24,8 +24,6 @@ pub struct LatticePoints {
     group: Vec<u32>,
     /// Number of groups.
     groups: u32,
-    /// Pairs of groups at one place.
-    creases: Vec<[u32; 2]>,
     /// Pairs of groups beside each other on an edge that is cut in two ways.
     seams: Vec<[u32; 2]>,
     /// Triangles that are there already, in order.
@@ -72,14 +70,12 @@ impl LatticePoints {
         // At first, each point's entry is a point of its group that is no later; the first of the group names itself.
         let mut group: Vec<u32> = (0..total as u32).collect();
         let mut heads: Vec<BorderPoint> = Vec::new();
-        let mut together: Vec<[u32; 2]> = Vec::new();
         for here in border.chunk_by(|a, b| a.place == b.place) {
             heads.clear();
             for alike in here.chunk_by(|a, b| a.direction == b.direction) {
                 alike.iter().for_each(|p| group[p.point as usize] = alike[0].point);
                 heads.push(alike[0]);
             }
-            together.extend(heads.windows(2).map(|pair| [pair[0].point, pair[1].point]));
             for (k, a) in heads.iter().enumerate() {
                 for b in heads[..k].iter().filter(|b| smooth(a.direction, b.direction)) {
                     let (a, b) = (earliest(&group, a.point), earliest(&group, b.point));
@@ -114,15 +110,11 @@ impl LatticePoints {
                 group[point] = group[earlier];
             }
         }
-        let of_groups = |pairs: Vec<[u32; 2]>| {
-            let pairs = pairs.into_iter().map(|pair| pair.map(|point| group[point as usize])).filter(|[a, b]| a != b);
-            let mut pairs: Vec<[u32; 2]> = pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect();
-            pairs.sort_unstable();
-            pairs.dedup();
-            pairs
-        };
-        let (creases, seams) = (of_groups(together), of_groups(unequal(mesh, lattice, &first)));
-        LatticePoints { first, group, groups, creases, seams, copies }
+        let pairs = unequal(mesh, lattice, &first).into_iter().map(|pair| pair.map(|point| group[point as usize]));
+        let mut seams: Vec<[u32; 2]> = pairs.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        seams.sort_unstable();
+        seams.dedup();
+        LatticePoints { first, group, groups, seams, copies }
     }
 
     /// All points of the mesh.
@@ -160,11 +152,6 @@ impl LatticePoints {
     /// Number of groups.
     pub fn groups(&self) -> u32 {
         self.groups
-    }
-
-    /// Pairs of groups at one place, which creases part; where more than two meet, a chain of pairs joins them.
-    pub fn creases(&self) -> &[[u32; 2]] {
-        &self.creases
     }
 
     /// Whether triangle `t` is there already, with its front to the same side: it has the points of the other one, and no area of its own.

@@ -66,6 +66,17 @@ fn orders_of<'a>(
     })
 }
 
+/// Each order once, as first named.
+pub fn without_doubles<O: Copy + PartialEq>(orders: &[O]) -> Vec<O> {
+    let mut unique = Vec::new();
+    for order in orders {
+        if !unique.contains(order) {
+            unique.push(*order);
+        }
+    }
+    unique
+}
+
 /// Bytes that the ledger may take; above it that order is left out.
 pub const LEDGER_LIMIT: u64 = 8 << 30;
 
@@ -126,12 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "summary.json"];
     let files = files.map(String::from);
     let out = output::folder(&arguments.out, &files)?;
-    let mut orders = Vec::new();
-    for order in &arguments.orders {
-        if !orders.contains(order) {
-            orders.push(*order);
-        }
-    }
+    let orders = without_doubles(&arguments.orders);
 
     let mut configuration = Configuration::initial(&scene);
     let world = Arc::new(World::new(&configuration, TreePreset::default()));

@@ -30,17 +30,6 @@ impl OrderArgument {
     }
 }
 
-/// Each order once, as first named.
-pub fn without_doubles(orders: &[OrderArgument]) -> Vec<OrderArgument> {
-    let mut unique = Vec::new();
-    for order in orders {
-        if !unique.contains(order) {
-            unique.push(*order);
-        }
-    }
-    unique
-}
-
 /// A checkpoint.
 pub struct Point {
     /// Photons traced and rays, so far.

@@ -26,7 +26,6 @@ pub struct Frames<'a> {
     world: &'a World,
     view: View,
     settings: Settings,
-    light: IndirectLight,
     right: image::RgbImage,
 }
 
@@ -38,6 +37,7 @@ impl<'a> Frames<'a> {
         world: &'a World,
         view: View,
         reference: &Reference,
+        reader: &mut IndirectLight,
     ) -> Result<Option<Frames<'a>>, Failure> {
         let configuration = world.configuration();
         if configuration.lamps().any(|(_, lamp)| lamp.direct == Direct::Photons) {
@@ -47,24 +47,24 @@ impl<'a> Frames<'a> {
         let look = Look::Photograph { exposure: None };
         let settings = Settings { width: WIDTH, height: HEIGHT, grid: 1, parts: Parts::RADIANCE, look };
         let right = image::RgbImage::new(WIDTH, HEIGHT);
-        let mut frames = Frames { renderer, world, view, settings, light: IndirectLight::default(), right };
+        let mut frames = Frames { renderer, world, view, settings, right };
         let scale = Scale::new(world, reference.photons);
-        frames.draw(&reference.buckets, &scale)?;
+        frames.draw(reader, &reference.buckets, &scale)?;
         let exposure = frames.renderer.exposure()?;
         frames.settings.look = Look::Photograph { exposure: Some(exposure) };
-        frames.right = frames.draw(&reference.buckets, &scale)?;
+        frames.right = frames.draw(reader, &reference.buckets, &scale)?;
         Ok(Some(frames))
     }
 
     /// Mean FLIP of the frame that this light lights.
-    pub fn flip(&mut self, light: &Buckets, scale: &Scale) -> Result<f64, Failure> {
-        let picture = self.draw(light, scale)?;
+    pub fn flip(&mut self, reader: &mut IndirectLight, light: &Buckets, scale: &Scale) -> Result<f64, Failure> {
+        let picture = self.draw(reader, light, scale)?;
         Ok(compare(&self.right, &picture).map_err(Failure::failed)?.mean)
     }
 
-    fn draw(&mut self, light: &Buckets, scale: &Scale) -> Result<image::RgbImage, Failure> {
+    fn draw(&mut self, reader: &mut IndirectLight, light: &Buckets, scale: &Scale) -> Result<image::RgbImage, Failure> {
         let configuration = self.world.configuration();
-        let indirect = self.light.read(configuration, light, scale, configuration.lamp_slots());
+        let indirect = reader.read(configuration, light, scale, configuration.lamp_slots());
         let drawn: Result<Vec<[u8; 3]>, RasterError> = (|| {
             self.renderer.light(&indirect)?;
             self.renderer.draw(&self.view, &self.settings)?;

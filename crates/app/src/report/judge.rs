@@ -30,13 +30,21 @@ pub struct Errors {
     pub flip: Option<f64>,
 }
 
+/// What light is read and drawn with, in one state after the other.
+pub struct Instruments {
+    /// `None` where nothing can draw.
+    pub renderer: Option<Renderer>,
+    /// Keeps how the surfaces hang together.
+    pub reader: IndirectLight,
+}
+
 /// Judges the light of a state.
 pub struct Judge<'a> {
     world: &'a Arc<World>,
     reference: Reference,
     visible: Option<Seen>,
     frames: Option<Frames<'a>>,
-    light: IndirectLight,
+    reader: &'a mut IndirectLight,
 }
 
 /// What the first camera sees of the reference, and its own visible error.
@@ -51,7 +59,7 @@ impl<'a> Judge<'a> {
     pub fn new(
         job: &Job,
         world: &'a Arc<World>,
-        renderer: Option<&'a mut Renderer>,
+        instruments: &'a mut Instruments,
         quiet: bool,
     ) -> Result<Option<Judge<'a>>, Failure> {
         let bar = progress::bar(job.reference_photons, "reference", quiet);
@@ -68,11 +76,12 @@ impl<'a> Judge<'a> {
             let own = visible.difference(&visible.values_of(&reference.off), &right);
             Seen { visible, right, own }
         });
+        let Instruments { renderer, reader } = instruments;
         let frames = match (view, renderer) {
-            (Some(view), Some(renderer)) => Frames::new(renderer, world, view, &reference)?,
+            (Some(view), Some(renderer)) => Frames::new(renderer, world, view, &reference, reader)?,
             _ => None,
         };
-        Ok(Some(Judge { world, reference, visible, frames, light: IndirectLight::default() }))
+        Ok(Some(Judge { world, reference, visible, frames, reader }))
     }
 
     /// Errors of light that stems from so many photons, by each way to read it; `frame` says whether to draw one too.
@@ -80,11 +89,11 @@ impl<'a> Judge<'a> {
         let scale = Scale::new(self.world, photons);
         // A frame shows reconstructed light.
         let frames = self.frames.as_mut().filter(|_| frame);
-        let flip = frames.map(|frames| frames.flip(light, &scale)).transpose()?;
+        let flip = frames.map(|frames| frames.flip(self.reader, light, &scale)).transpose()?;
         READOUTS
             .iter()
             .map(|readout| {
-                let field = (readout.field)(&mut self.light, self.world, light, &scale);
+                let field = (readout.field)(self.reader, self.world, light, &scale);
                 let visible = self
                     .visible
                     .as_ref()

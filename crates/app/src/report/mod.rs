@@ -17,11 +17,14 @@ mod table;
 use crate::{
     Common, PoolArguments,
     failure::Failure,
+    indirect::IndirectLight,
     output::{self, say},
     progress,
+    replay::without_doubles,
 };
 use curve::OrderArgument;
 use jobs::Job;
+use judge::Instruments;
 use serde_json::json;
 use state::{Measurer, State};
 use std::path::PathBuf;
@@ -69,11 +72,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let common = &arguments.common;
     common.set_up()?;
     let jobs = jobs::read(arguments)?;
-    let orders = curve::without_doubles(&arguments.orders);
+    let orders = without_doubles(&arguments.orders);
     let out = output::folder(&arguments.out, &["index.html", "table.csv", "curves.csv", "summary.json"].map(str::to_owned))?;
     let machine = Machine { threads: rayon::current_num_threads(), processor: processor() };
 
-    let mut renderer = frames::renderer(common);
+    let mut instruments = Instruments { renderer: frames::renderer(common), reader: IndirectLight::default() };
     let mut sections = Vec::new();
     for job in jobs {
         if progress::interrupted() {
@@ -81,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let measurer = Measurer { job: &job, orders: &orders, common };
         let mut states = Vec::new();
-        let ended = measurer.measure(&mut renderer, &mut |state| {
+        let ended = measurer.measure(&mut instruments, &mut |state| {
             if common.talks() {
                 say(&table::text(&job, &state));
             }

@@ -3,7 +3,7 @@
 use super::{
     curve::{Ended, OrderArgument, Track, follow},
     jobs::{FIRST_HITS, Job},
-    judge::{Errors, Judge, fresh},
+    judge::{Errors, Instruments, Judge, fresh},
 };
 use crate::{
     Common,
@@ -19,7 +19,6 @@ use lightmend_photon::{
     solution::Solution,
     world::World,
 };
-use lightmend_raster::Renderer;
 use lightmend_scene::Configuration;
 use std::sync::Arc;
 
@@ -63,10 +62,10 @@ pub struct Measurer<'a> {
 
 impl Measurer<'_> {
     /// Measures all states until interrupted; each is given away when it is done.
-    pub fn measure(&self, renderer: &mut Option<Renderer>, done: &mut dyn FnMut(State)) -> Result<(), Failure> {
+    pub fn measure(&self, instruments: &mut Instruments, done: &mut dyn FnMut(State)) -> Result<(), Failure> {
         let configuration = Configuration::initial(&self.job.scene);
         let world = Arc::new(World::new(&configuration, TreePreset::default()));
-        let Some((state, start)) = self.cold_start(&world, renderer.as_mut())? else { return Ok(()) };
+        let Some((state, start)) = self.cold_start(&world, instruments)? else { return Ok(()) };
         done(state);
         for (script, moves) in &self.job.scripts {
             let mut configuration = configuration.clone();
@@ -75,7 +74,7 @@ impl Measurer<'_> {
                 configuration = configuration.apply(&timed.edit)?;
                 let edit = Some((script.clone(), number));
                 let title = format!("{script}, edit {number}: {}", title(&timed.edit));
-                let Some((state, next)) = self.edit(edit, title, &drained, &configuration, renderer.as_mut())? else {
+                let Some((state, next)) = self.edit(edit, title, &drained, &configuration, instruments)? else {
                     return Ok(());
                 };
                 done(state);
@@ -85,9 +84,9 @@ impl Measurer<'_> {
         Ok(())
     }
 
-    fn cold_start(&self, world: &Arc<World>, renderer: Option<&mut Renderer>) -> Result<Option<(State, Drained)>, Failure> {
+    fn cold_start(&self, world: &Arc<World>, instruments: &mut Instruments) -> Result<Option<(State, Drained)>, Failure> {
         let pool = self.job.pool;
-        let Some(mut judge) = Judge::new(self.job, world, renderer, self.common.quiet)? else { return Ok(None) };
+        let Some(mut judge) = Judge::new(self.job, world, instruments, self.common.quiet)? else { return Ok(None) };
         let rules = Arc::new(Rules { sequence: pool.sequence(), first_hits: FIRST_HITS });
         let mut courses = vec![("no ledger", Course::restart(pool, rules, world.clone()))];
         if self.orders.contains(&OrderArgument::Ledger) {
@@ -105,10 +104,10 @@ impl Measurer<'_> {
         title: String,
         (drained, ledger): &Drained,
         configuration: &Configuration,
-        renderer: Option<&mut Renderer>,
+        instruments: &mut Instruments,
     ) -> Result<Option<(State, Drained)>, Failure> {
         let after = Arc::new(drained.world().moved_to(configuration));
-        let Some(mut judge) = Judge::new(self.job, &after, renderer, self.common.quiet)? else { return Ok(None) };
+        let Some(mut judge) = Judge::new(self.job, &after, instruments, self.common.quiet)? else { return Ok(None) };
         let courses = self.orders.iter().filter_map(|order| {
             let course = match order {
                 OrderArgument::Ledger => Course::ledger(ledger.as_ref()?),

@@ -42,6 +42,20 @@ fn until(child: &mut Child, done: impl Fn(&mut Child) -> bool) {
     }
 }
 
+/// A run that Ctrl-C ended: it failed, says so in one line, and left no half file.
+fn ended_cleanly(desk: &Desk, status: Option<i32>, stderr: &str) {
+    assert_eq!(status, Some(1), "{stderr}");
+    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
+    no_half_file(desk);
+}
+
+/// A script that moves a box to and fro, 400 edits.
+fn to_and_fro(desk: &Desk) {
+    let there_and_back =
+        ["Move(object: \"short box\", to: (1.5, 0.45, 0.0))", "Move(object: \"short box\", to: (1.32, 0.68, 0.0))"];
+    desk.moves(&there_and_back.repeat(200));
+}
+
 fn no_half_file(desk: &Desk) {
     let parts: Vec<_> = desk.content().into_keys().filter(|p| p.extension().is_some_and(|e| e == "part")).collect();
     assert!(parts.is_empty(), "{parts:?}");
@@ -69,14 +83,10 @@ fn solve_keeps_its_photons() {
 #[test]
 fn replay_keeps_whole_edits() {
     let desk = Desk::new();
-    let there_and_back =
-        ["Move(object: \"short box\", to: (1.5, 0.45, 0.0))", "Move(object: \"short box\", to: (1.32, 0.68, 0.0))"];
-    desk.moves(&there_and_back.repeat(200));
+    to_and_fro(&desk);
     let (status, _, stderr) =
         interrupted(&desk, "replay cornell.ron --photons 200000 --orders stateless --script m.ron --out out --quiet");
-    assert_eq!(status, Some(1), "{stderr}");
-    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
-    no_half_file(&desk);
+    ended_cleanly(&desk, status, &stderr);
     // Either the initial light was not yet done, and nothing is kept, or the edits so far are.
     if desk.path("out/summary.json").exists() {
         let summary = desk.json("out/summary.json");
@@ -88,14 +98,10 @@ fn replay_keeps_whole_edits() {
 #[test]
 fn report_keeps_whole_states() {
     let desk = Desk::new();
-    let there_and_back =
-        ["Move(object: \"short box\", to: (1.5, 0.45, 0.0))", "Move(object: \"short box\", to: (1.32, 0.68, 0.0))"];
-    desk.moves(&there_and_back.repeat(200));
+    to_and_fro(&desk);
     let (status, _, stderr) =
         interrupted(&desk, "report cornell.ron --photons 20000 --orders stateless --script m.ron --out out --quiet");
-    assert_eq!(status, Some(1), "{stderr}");
-    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
-    no_half_file(&desk);
+    ended_cleanly(&desk, status, &stderr);
     // Either the first state was not yet done, and nothing is kept, or the states so far are.
     if desk.path("out/summary.json").exists() {
         let summary = desk.json("out/summary.json");
@@ -111,9 +117,7 @@ fn frames_keeps_whole_frames() {
     desk.script(&[(10_000.0, "Move(object: \"short box\", to: (1.5, 0.45, 0.0))")], &[]);
     let (status, stdout, stderr) =
         interrupted(&desk, "frames cornell.ron --size 64x48 --photons 20000 --script m.ron --out out --json");
-    assert_eq!(status, Some(1), "{stderr}");
-    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
-    no_half_file(&desk);
+    ended_cleanly(&desk, status, &stderr);
     // Either the initial light was not yet done, and nothing is kept, or the frames so far are.
     if desk.path("out/summary.json").exists() {
         let summary = desk.json("out/summary.json");
@@ -136,9 +140,7 @@ fn reference_keeps_points_that_are_known() {
     desk.write("points.csv", format!("x,y,z,nx,ny,nz\n{points}"));
     let (status, stdout, stderr) =
         interrupted(&desk, "reference cornell.ron --points points.csv --paths 100000000 --out read.csv --json");
-    assert_eq!(status, Some(1), "{stderr}");
-    assert!(stderr.starts_with("lightmend: interrupted") && stderr.lines().count() == 1, "{stderr}");
-    no_half_file(&desk);
+    ended_cleanly(&desk, status, &stderr);
     // Either no point had enough batches, and nothing is kept, or those that had are.
     if desk.path("read.csv").exists() {
         let rows = desk.read("read.csv").lines().count() - 1;

@@ -57,7 +57,7 @@ fn in_grid(cells: &Level, grid: &Grid, sums: &[Sum]) -> Vec<Estimate> {
     // From fine to coarse: sums are exact.
     let mut all = vec![sums.to_vec()];
     for (parents, level) in grid.parents.iter().zip(&grid.levels) {
-        let mut next = vec![Sum::default(); level.len()];
+        let mut next = vec![Sum::default(); level.count()];
         for (sum, parent) in all[all.len() - 1].iter().zip(parents) {
             next[*parent as usize].flux += sum.flux;
             next[*parent as usize].squares += sum.squares;
@@ -100,7 +100,7 @@ pub fn gradient(level: &Level, estimates: &[Estimate], p: usize) -> [DVec3; 3] {
 /// The estimates of a level from those of the one above it, `coarse`.
 fn refine([level, above]: [&Level; 2], parents: &[u32], [sums, sums_above]: [&[Sum]; 2], coarse: &[Estimate]) -> Vec<Estimate> {
     let gradients: Vec<Option<[DVec3; 3]>> =
-        (0..above.len()).map(|p| (luminance(coarse[p].value) > 0.0).then(|| gradient(above, coarse, p))).collect();
+        (0..above.count()).map(|p| (luminance(coarse[p].value) > 0.0).then(|| gradient(above, coarse, p))).collect();
     /// What photons say beyond the prediction.
     #[derive(Clone, Copy, Default)]
     struct Detail {
@@ -135,7 +135,7 @@ fn refine([level, above]: [&Level; 2], parents: &[u32], [sums, sums_above]: [&[S
             variance: from.variance,
         }
     };
-    let details: Vec<Detail> = (0..level.len()).map(detail).collect();
+    let details: Vec<Detail> = (0..level.count()).map(detail).collect();
     let believed = |p: usize| {
         let here = &details[p];
         let parent = parents[p] as usize;
@@ -155,11 +155,11 @@ fn refine([level, above]: [&Level; 2], parents: &[u32], [sums, sums_above]: [&[S
         let belief = tau / (tau + here.noise);
         Estimate { value: here.predicted + here.difference * belief, variance: here.variance + here.noise * belief, detail: tau }
     };
-    let mut fine: Vec<Estimate> = (0..level.len()).map(believed).collect();
+    let mut fine: Vec<Estimate> = (0..level.count()).map(believed).collect();
 
     // The parts of a patch keep its flux: what is too much is taken where least is known.
-    let mut excess = vec![DVec3::ZERO; above.len()];
-    let mut doubt = vec![0.0; above.len()];
+    let mut excess = vec![DVec3::ZERO; above.count()];
+    let mut doubt = vec![0.0; above.count()];
     for (p, parent) in parents.iter().enumerate() {
         let variance = fine[p].variance - coarse[*parent as usize].variance;
         excess[*parent as usize] += fine[p].value * level.area[p];

@@ -1,8 +1,8 @@
 //! Patches of a surface: its mesh elements, merged level by level with those beside them.
 //!
 //! Level 0 are the cells. The patches of a level are the connected parts of the surface inside one voxel of a grid; voxels double from
-//! level to level, so that patches nest. Connected are cells that share a lattice point, never over a crease ([`LatticePoints`]), and only
-//! as far as nothing stands between them. So a patch is small in space, whatever triangles it is made of: cells of a wall or the hundred
+//! level to level, so that patches nest. Connected are cells that share a lattice point, never over a crease ([`LatticePoints`]).
+//! So a patch is small in space, whatever triangles it is made of: cells of a wall or the hundred
 //! triangles of a leaf.
 
 use glam::DVec3;
@@ -51,8 +51,7 @@ const ORIGINS: [DVec3; 2] = [DVec3::new(0.29, 0.31, 0.37), DVec3::new(0.50, 0.67
 
 impl Level {
     /// Number of patches.
-    #[allow(clippy::len_without_is_empty)]
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.area.len()
     }
 
@@ -73,7 +72,7 @@ impl Level {
     }
 }
 
-/// More cells than this around one point are joined in a ring instead of each with each.
+/// More cells than this around one point are joined in a chain instead of each with each.
 const CROWD: usize = 24;
 
 impl Patches {
@@ -171,7 +170,7 @@ const WORTH_KEEPING: f64 = 0.75;
 /// Levels until nothing can be merged; `origin` in parts of the largest voxel.
 fn merge(cells: &Level, origin: DVec3) -> Grid {
     let mut grid = Grid { levels: Vec::new(), parents: Vec::new() };
-    if cells.len() == 0 {
+    if cells.count() == 0 {
         return grid;
     }
     let [low, high] = cells.centre.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[l, h], p| [l.min(*p), h.max(*p)]);
@@ -188,20 +187,20 @@ fn merge(cells: &Level, origin: DVec3) -> Grid {
             below.centre.iter().map(|c| ((*c - origin) / size).floor().to_array().map(|v| v as i64)).collect();
         size *= 2.0;
         // Union-find: each entry is an earlier patch of the same part, or itself.
-        let mut part: Vec<u32> = (0..below.len() as u32).collect();
-        for p in 0..below.len() {
+        let mut part: Vec<u32> = (0..below.count() as u32).collect();
+        for p in 0..below.count() {
             for q in below.beside(p).iter().filter(|q| (**q as usize) < p && voxel[**q as usize] == voxel[p]) {
                 let (a, b) = (find(&mut part, p as u32), find(&mut part, *q));
                 part[a.max(b) as usize] = a.min(b);
             }
         }
-        let parts = (0..below.len()).filter(|p| part[*p] == *p as u32).count();
-        if parts == below.len() || parts as f64 > WORTH_KEEPING * below.len() as f64 && size < extent {
+        let parts = (0..below.count()).filter(|p| part[*p] == *p as u32).count();
+        if parts == below.count() || parts as f64 > WORTH_KEEPING * below.count() as f64 && size < extent {
             continue;
         }
-        let mut number = vec![0u32; below.len()];
+        let mut number = vec![0u32; below.count()];
         let (mut centre, mut area) = (Vec::with_capacity(parts), Vec::with_capacity(parts));
-        for p in 0..below.len() {
+        for p in 0..below.count() {
             let first = find(&mut part, p as u32) as usize;
             if first == p {
                 number[p] = area.len() as u32;
@@ -214,7 +213,7 @@ fn merge(cells: &Level, origin: DVec3) -> Grid {
         }
         centre.iter_mut().zip(&area).for_each(|(c, a)| *c /= *a);
         let beside = |p: usize| below.beside(p).iter().map(move |q| [p, *q as usize]);
-        let pairs = (0..below.len()).flat_map(beside).map(|pair| pair.map(|p| number[p])).filter(|[a, b]| a != b).collect();
+        let pairs = (0..below.count()).flat_map(beside).map(|pair| pair.map(|p| number[p])).filter(|[a, b]| a != b).collect();
         let next = Level::new(centre, area, pairs);
         grid.parents.push(number);
         grid.levels.push(next);
