@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use glam::DVec3;
 use lightmend_photon::{
-    probe::{Place, Reading, locate},
+    probe::{Place, locate},
     world::World,
 };
 use lightmend_scene::{SceneError, luminance};
@@ -78,14 +78,8 @@ pub struct Light {
     pub standard_error: DVec3,
 }
 
-impl From<Reading> for Light {
-    fn from(Reading { direct, indirect }: Reading) -> Light {
-        Light { direct, indirect: indirect.value, standard_error: indirect.standard_error }
-    }
-}
-
 /// Writes points with their light.
-pub fn write<'p>(out: &mut impl Write, lit: impl Iterator<Item = (&'p Place, Light)>) -> io::Result<()> {
+pub fn write(out: &mut impl Write, lit: impl IntoIterator<Item = (Place, Light)>) -> io::Result<()> {
     writeln!(
         out,
         "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b,\

@@ -9,14 +9,16 @@ use crate::{
 };
 use lightmend_photon::{
     body::TreePreset,
-    irradiance::Scale,
+    gather::Gather,
+    irradiance::{Irradiance, Scale},
     path::FirstHits,
-    probe::read,
+    probe::{Place, direct},
     reconstruction::{Reconstruction, Shapes},
     solution::Solution,
     world::World,
 };
 use lightmend_scene::Configuration;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 #[derive(clap::Args)]
@@ -25,6 +27,9 @@ pub struct Arguments {
     files: Files,
     #[command(flatten)]
     pool: PoolArguments,
+    /// Rays per point that gather the photons' light. More: less noise (half for four times as many), longer work
+    #[arg(long, value_name = "N", default_value_t = 4096, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    rays: u32,
     #[command(flatten)]
     common: Common,
 }
@@ -49,13 +54,33 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let photons = solution.pool().photons();
     let (configuration, scale) = (world.configuration(), Scale::new(&world, photons));
     let shapes = Shapes::of(configuration);
-    let indirect = Reconstruction::new(&shapes, configuration, solution.buckets(), &scale, configuration.lamp_slots());
-    let readings = places.iter().map(|place| (place, Light::from(read(&world, &indirect, place))));
-    output::write(&files.out, |file| points::write(file, readings))?;
-    if common.json {
-        output::json(None, &serde_json::json!({ "points": places.len(), "photons": photons, "out": files.out }), true)?;
-    } else if common.talks() {
-        say(&format!("{} points read from {photons} photons: {}", places.len(), files.out.display()));
+    let light = Reconstruction::new(&shapes, configuration, solution.buckets(), &scale, configuration.lamp_slots());
+    let gather = Gather { world: &world, light: &light, buckets: solution.buckets(), scale: &scale, rays: arguments.rays };
+    // Interrupted already: the photons are fewer, the points all the same.
+    let before = progress::interrupted();
+    let bar = progress::bar(places.len() as u64, "gathering at points", common.quiet);
+    let at = |(number, place): (usize, &Place)| {
+        if progress::interrupted() && !before {
+            return None;
+        }
+        let Irradiance { value, standard_error, .. } = gather.at(place, number);
+        bar.inc(1);
+        Some((*place, Light { direct: direct(&world, place.point, place.normal), indirect: value, standard_error }))
+    };
+    let lit: Vec<(Place, Light)> = places.par_iter().enumerate().filter_map(at).collect();
+    bar.finish_and_clear();
+    if lit.is_empty() && !places.is_empty() {
+        return Err(Failure::failed("interrupted before any point was gathered"));
     }
-    if progress::interrupted() { Err(Failure::failed(format!("interrupted; {photons} photons were kept"))) } else { Ok(()) }
+    let read = lit.len();
+    output::write(&files.out, |file| points::write(file, lit))?;
+    if common.json {
+        output::json(None, &serde_json::json!({ "points": read, "photons": photons, "out": files.out }), true)?;
+    } else if common.talks() {
+        say(&format!("{read} points read from {photons} photons: {}", files.out.display()));
+    }
+    if progress::interrupted() {
+        return Err(Failure::failed(format!("interrupted; {photons} photons and {read} of {} points were kept", places.len())));
+    }
+    Ok(())
 }

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let lit = known.iter().map(|(place, estimate)| {
         let direct = direct(&world, place.point, place.normal);
-        (*place, Light { direct, indirect: estimate.value(), standard_error: estimate.standard_error() })
+        (**place, Light { direct, indirect: estimate.value(), standard_error: estimate.standard_error() })
     });
     output::write(&files.out, |file| points::write(file, lit))?;
 

@@ -9,13 +9,9 @@
 //! ([`World::nearest`], [`World::sees`]). Random numbers, directions, the step off a surface and the sum are its own, and it knows
 //! nothing of emission, elements and buckets.
 
-use crate::{path::reflectance, probe::direct, triangle::Ray, world::World};
+use crate::{path::reflectance, probe::direct, random::Random, triangle::Ray, world::World};
 use glam::{DVec3, DVec4};
 use lightmend_scene::{luminance, trig::sin_cos};
-use rand_xoshiro::{
-    Xoshiro256PlusPlus,
-    rand_core::{Rng, SeedableRng},
-};
 use rayon::prelude::*;
 use std::{
     f64::consts::TAU,
@@ -185,7 +181,7 @@ impl<'w> Reference<'w> {
 
     /// Mean light of one path through every stratum.
     fn batch(&self, point: usize, batch: u32) -> DVec3 {
-        let mut random = Random::new(self.plan.seed, point, batch);
+        let mut random = Random::new("", [self.plan.seed, point as u64, batch.into()]);
         let (place, normal) = self.points[point];
         let strata = f64::from(self.plan.strata);
         let mut sum = DVec3::ZERO;
@@ -224,24 +220,6 @@ impl<'w> Reference<'w> {
             throughput /= survival;
             direction = lambertian(normal, random.unit(), random.unit());
         }
-    }
-}
-
-/// Independent numbers for every batch of every point.
-struct Random(Xoshiro256PlusPlus);
-
-impl Random {
-    fn new(seed: u64, point: usize, batch: u32) -> Random {
-        let mut hasher = blake3::Hasher::new();
-        for number in [seed, point as u64, batch.into()] {
-            hasher.update(&number.to_le_bytes());
-        }
-        Random(Xoshiro256PlusPlus::from_seed(*hasher.finalize().as_bytes()))
-    }
-
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 }
 
@@ -293,14 +271,5 @@ mod tests {
             assert!(plan.batches >= LEAST_BATCHES && given >= paths && given < paths.max(64) * 2, "{paths}: {plan:?}");
         }
         assert_eq!(Plan::of_paths(32_768, 1), Plan { strata: 32, batches: 32, error: None, seed: 1 });
-    }
-
-    #[test]
-    fn random_numbers_differ_between_seeds_points_and_batches() {
-        let first = |seed, point, batch| Random::new(seed, point, batch).unit().to_bits();
-        let mut all = vec![first(0, 0, 0), first(1, 0, 0), first(0, 1, 0), first(0, 0, 1), first(1, 1, 0), first(0, 1, 1)];
-        all.sort();
-        all.dedup();
-        assert_eq!(all.len(), 6);
     }
 }
