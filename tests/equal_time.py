@@ -10,7 +10,7 @@ it returns, times pi, is indirect irradiance, since a ray never meets a point la
 need --loop: a Python file with a class `Ref(scene, base=folder)` whose `batch(points, normals, strata, repeats, seed)` returns mean
 indirect irradiance per point, as the program that made the reference has it.
 
-Seconds are those of tracing: of Lightmend the run's wall time less that of a run with next to no photons or paths (process, scene, trees), of
+Seconds are those of tracing: of Lightmend the run's wall time less that of a run without points and with next to no photons (process, scene, trees), of
 Mitsuba the time in batches after one that compiles. What is left out is given as start-up. Each program gets as much work as fits into
 the budget by its own rate in a trial run; the seconds are what it then took. Errors are of indirect illuminance as in reference.py.
 """
@@ -26,23 +26,31 @@ from pathlib import Path
 
 import reference as points_of
 
-PHOTONS, PATHS, LEAST = ("probe", "--photons"), ("reference", "--paths"), {"probe": 4608, "reference": 32}
+# Photons for each ray that gathers at a point: a few hundred points then take most of the time, and noise is mostly the rays'.
+PHOTONS_PER_RAY = 64
+# A work of 1 is this much.
+WORK = {
+    "probe": lambda rays: ["--rays", str(rays), "--photons", str(max(4608, PHOTONS_PER_RAY * rays))],
+    "reference": lambda paths: ["--paths", str(paths)],
+}
+LEAST = {"probe": 2048, "reference": 32}
 
 
-def run(arguments, command, scene, points, out, amount):
+def run(arguments, name, scene, points, out, amount):
     """Wall time of a run."""
-    name, option = command
     start = time.perf_counter()
-    subprocess.run([arguments.lightmend, name, scene, "--points", points, "--out", out, option, str(amount), "--threads",
+    subprocess.run([arguments.lightmend, name, scene, "--points", points, "--out", out, *WORK[name](amount), "--threads",
                     str(arguments.threads), "--quiet"], check=True)
     return time.perf_counter() - start
 
 
 def ours(arguments, command, scene, points, out):
     """For each budget: amount of work, seconds, start-up, illuminance per point."""
-    least = LEAST[command[0]]
-    start_up = min(run(arguments, command, scene, points, out, least) for _ in range(3))
-    amount, seconds = 16 * least, 0.0
+    least = LEAST[command]
+    nowhere = out.with_name("nowhere.csv")
+    nowhere.write_text("x,y,z,nx,ny,nz\n", encoding="utf-8")
+    start_up = min(run(arguments, command, scene, nowhere, out, 1) for _ in range(3))
+    amount, seconds = least, 0.0
     while seconds < 1.0:  # A trial long enough to tell the rate.
         amount *= 4
         seconds = run(arguments, command, scene, points, out, amount) - start_up
@@ -172,9 +180,9 @@ def compare(arguments, source, name, folder):
     for cell in arguments.cell or [points_of.CELLS[name]]:
         points_of.write_scene(arguments.lightmend, source / "scene_a.json", scene, cell)
         if "probe" in arguments.methods:
-            tell(f"`probe`, cells of {cell} m", "photons", ours(arguments, PHOTONS, scene, points, out))
+            tell(f"`probe`, cells of {cell} m", f"rays a point, {PHOTONS_PER_RAY} times as many photons", ours(arguments, "probe", scene, points, out))
     if "reference" in arguments.methods:
-        tell("`reference`", "paths a point", ours(arguments, PATHS, scene, points, out))
+        tell("`reference`", "paths a point", ours(arguments, "reference", scene, points, out))
     if "mitsuba" in arguments.methods:
         method = "Mitsuba's kernels, own loop" if arguments.loop else "Mitsuba's `path`"
         tell(method, "paths a point", mitsuba(arguments, source / "scene_a.json", points, folder))

@@ -2,7 +2,7 @@
 //!
 //! Follow one photon: its index becomes random numbers ([`halton`]), which choose a lamp ([`emission`]) and, at every hit
 //! ([`triangle`], [`body`], [`world`]), whether and where it goes on ([`path`], many side by side: `wave.rs`); each hit deposits ([`record`]) integer energy in a mesh
-//! element ([`bucket`]), which is read as irradiance ([`irradiance`], [`probe`]), for pictures between the elements' corners
+//! element ([`bucket`]), which is read as irradiance ([`irradiance`]; at points: [`gather`], [`probe`]), for pictures between the elements' corners
 //! ([`mod@reconstruction`]); a [`mod@reference`] by path tracing is what it is held against. A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
 //! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`course`], [`recovery`], [`drag`], seen
 //! by a camera: [`visible`]). All element sides together are a [`field`], which a reference judges ([`accuracy`], [`balance`]).
