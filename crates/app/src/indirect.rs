@@ -21,17 +21,25 @@ pub struct IndirectLight {
 impl IndirectLight {
     /// Irradiance at all lattice points of all sides that light of lamps numbered below `lamps` has reached.
     pub fn read(&mut self, configuration: &Configuration, buckets: &Buckets, scale: &Scale, lamps: usize) -> Indirect {
+        drawn(configuration, &self.reconstruct(configuration, buckets, scale, lamps))
+    }
+
+    /// The light of lamps numbered below `lamps`.
+    pub fn reconstruct(
+        &mut self,
+        configuration: &Configuration,
+        buckets: &Buckets,
+        scale: &Scale,
+        lamps: usize,
+    ) -> Reconstruction<'_> {
         self.shapes.learn(configuration);
-        let light = Reconstruction::new(&self.shapes, configuration, buckets, scale, lamps);
-        let of_object = |id| [0, 1].map(|side| Some(side_light(&light.vertices(id, side)?)));
-        (0..configuration.object_slots()).into_par_iter().map(of_object).collect()
+        Reconstruction::new(&self.shapes, configuration, buckets, scale, lamps)
     }
 
     /// Irradiance of every element side, reconstructed.
     pub fn field(&mut self, world: &World, buckets: &Buckets, scale: &Scale) -> Field {
         let configuration = world.configuration();
-        self.shapes.learn(configuration);
-        let light = Reconstruction::new(&self.shapes, configuration, buckets, scale, configuration.lamp_slots());
+        let light = self.reconstruct(configuration, buckets, scale, configuration.lamp_slots());
         Field::read(world, |object, cell, side| Side {
             irradiance: light.cell(object, cell, side).value,
             area: world.object(object).lattice.area(cell),
@@ -63,4 +71,10 @@ impl IndirectLight {
         };
         now.into_iter().zip(right).map(|([a, b], [c, d])| [side(a, c), side(b, d)]).collect()
     }
+}
+
+/// What was reconstructed, at all lattice points of all sides that light has reached.
+pub fn drawn(configuration: &Configuration, light: &Reconstruction) -> Indirect {
+    let of_object = |id| [0, 1].map(|side| Some(side_light(&light.vertices(id, side)?)));
+    (0..configuration.object_slots()).into_par_iter().map(of_object).collect()
 }

@@ -30,30 +30,6 @@ impl Irradiance {
     }
 }
 
-/// The estimated relative error of a solution: nRMSE of irradiance over the element sides that were hit, by area and in all three channels,
-/// √(Σ area · se²) / √(Σ area · E²). It counts hits as independent (Poisson): in the ROOM at 200,000 photons that is 2 % below
-/// the error measured against 8 million. What was not hit, and light of an earlier configuration, it does not see. 0 in the dark.
-pub fn spread(world: &World, buckets: &Buckets, scale: &Scale) -> f64 {
-    let (mut variance, mut square) = (0.0, 0.0);
-    for (id, object) in world.configuration().objects() {
-        let lit = |side: &usize| (0..scale.lumens.len()).any(|lamp| buckets.get(id, *side, lamp).is_some());
-        for side in (0..2).filter(lit) {
-            for t in 0..object.mesh.triangles.len() {
-                let area = object.lattice.area_in(t);
-                for cell in object.lattice.cells_of(t) {
-                    let light = scale.irradiance(buckets, id, cell, side, area);
-                    // The error of what was not hit is a bound, not an estimate.
-                    if light.hits > 0 {
-                        variance += area * light.standard_error.length_squared();
-                        square += area * light.value.length_squared();
-                    }
-                }
-            }
-        }
-    }
-    if square > 0.0 { (variance / square).sqrt() } else { 0.0 }
-}
-
 /// What a bucket's energy is worth, in lumens per unit of energy, per lamp and channel.
 #[derive(Debug, Clone)]
 pub struct Scale {

@@ -52,8 +52,8 @@ pub struct Controls {
     /// Time of an iteration: edits and cameras are taken up between two. Longer: more photons a second; shorter: light follows an edit
     /// sooner. 5 to 20 ms do well. At least one group is repaired in each.
     pub iteration: Duration,
-    /// The pool grows while nothing is wrong, until the [`spread`](crate::irradiance::spread) of the light is no more than this, or the
-    /// ledger is full. `None`: it stays as large as it was begun. 0.01 takes some 20 times the seed's pool.
+    /// The pool grows while nothing is wrong, until the [`median_error`](crate::reconstruction::Reconstruction::median_error) of the light is no more than this, or the
+    /// ledger is full. `None`: it stays as large as it was begun. 0.01 takes some ten times the seed's pool.
     pub error: Option<f64>,
     /// Iterations per frame: a snapshot is published after so many, if the last one was taken, or when there is nothing left to do. At least 1.
     pub iterations: u32,

@@ -6,11 +6,15 @@ use super::{
     recovery::{Recovery, Trace},
     session::Start,
 };
-use crate::{failure::Failure, frames::Show, indirect::IndirectLight};
+use crate::{
+    failure::Failure,
+    frames::Show,
+    indirect::{IndirectLight, drawn},
+};
 use lightmend_photon::{
     body::TreePreset,
     courtesy::give_way,
-    irradiance::{Scale, spread},
+    irradiance::Scale,
     path::FirstHits,
     pool::Pool,
     solution::Solution,
@@ -31,8 +35,8 @@ pub struct Ready {
     pub snapshot: Arc<Snapshot>,
     /// For the renderer.
     pub indirect: Indirect,
-    /// Estimated relative error of indirect irradiance, as if photon hits were independent.
-    pub spread: f64,
+    /// The estimated median of the relative error of indirect illuminance.
+    pub median_error: f64,
     /// How the last edit is being repaired.
     pub trace: Trace,
 }
@@ -175,7 +179,7 @@ struct Reader<'a> {
     light: IndirectLight,
     recovery: Recovery,
     /// When it was estimated last.
-    spread: (Option<Instant>, f64),
+    median_error: (Option<Instant>, f64),
     /// For what is still wrong: a pool shot at the newest scene.
     exact: Option<Solution>,
 }
@@ -188,7 +192,7 @@ impl<'a> Reader<'a> {
             pool,
             light: IndirectLight::default(),
             recovery: Recovery::default(),
-            spread: (None, 0.0),
+            median_error: (None, 0.0),
             exact: None,
         }
     }
@@ -250,15 +254,18 @@ impl<'a> Reader<'a> {
                 }
                 None => Vec::new(),
             },
-            _ => self.light.read(configuration, &snapshot.buckets, &scale, lamps),
+            _ => {
+                let light = self.light.reconstruct(configuration, &snapshot.buckets, &scale, lamps);
+                // It changes slowly, and all elements are sorted for it.
+                if self.median_error.0.is_none_or(|at| at.elapsed() > Duration::from_millis(700) || snapshot.exact) {
+                    self.median_error = (Some(Instant::now()), light.median_error());
+                }
+                drawn(configuration, &light)
+            }
         };
-        // It changes slowly, and all buckets are read for it.
-        if self.spread.0.is_none_or(|at| at.elapsed() > Duration::from_millis(700) || snapshot.exact) {
-            self.spread = (Some(Instant::now()), spread(world, &snapshot.buckets, &scale));
-        }
         let current = snapshot.edits >= wanted.edits;
         let trace = self.recovery.look(wanted.action, wanted.edited, current, wanted.view, &snapshot, &scale);
-        Ready { snapshot, indirect, spread: self.spread.1, trace }
+        Ready { snapshot, indirect, median_error: self.median_error.1, trace }
     }
 
     /// Whether the pool that light is compared with was shot at this scene and is of this size.

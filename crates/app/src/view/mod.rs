@@ -62,7 +62,7 @@ pub struct Arguments {
     /// What is drawn at first; F2 to F6 change it
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Show::Radiance)]
     show: Show,
-    /// Once the light is right the pool grows until its spread, the estimated error of indirect light, is no more than this; 0.01 unless
+    /// Once the light is right the pool grows until the estimated median error of indirect light is no more than this; 0.01 unless
     /// --photons says how many there are to be. A fourth of the error takes 16 times the photons
     #[arg(long, value_name = "SHARE", value_parser = parse_error)]
     error: Option<f64>,
@@ -82,7 +82,7 @@ pub struct Arguments {
     common: Common,
 }
 
-/// The spread that the pool grows to unless something else is asked for: nobody sees it.
+/// The error that the pool grows to unless something else is asked for: nobody sees it.
 const FINE: f64 = 0.01;
 
 /// Frames per second that mean something.

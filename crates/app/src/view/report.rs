@@ -113,7 +113,7 @@ impl Report {
             "room_in_window": [room.left(), room.top(), room.width(), room.height()],
             "scene": desk.session.scene.name, "driver": desk.driver, "frames_per_second_wanted": desk.fps,
             "seconds": self.began.elapsed().as_secs_f64(), "frames": self.frames, "edits": desk.session.edits(),
-            "photons": ready.as_ref().map(|ready| ready.snapshot.photons), "spread": ready.as_ref().map(|ready| ready.spread),
+            "photons": ready.as_ref().map(|ready| ready.snapshot.photons), "median_error": ready.as_ref().map(|ready| ready.median_error),
             "stretches": self.stretches.iter().map(Stretch::json).collect::<Vec<_>>(),
         })
     }

@@ -7,9 +7,10 @@ use super::{
 };
 use crate::{
     body::TreePreset,
-    irradiance::{Scale, spread},
+    irradiance::Scale,
     ledger::{LedgerSolution, Refused},
     path::Rules,
+    reconstruction::{Reconstruction, Shapes},
     shooting::{Shooting, Work},
     visible::Frustum,
     world::World,
@@ -48,6 +49,8 @@ struct Worker<'s> {
     refused: Option<Refused>,
     /// The wanted one.
     world: Arc<World>,
+    /// For the error of its light.
+    shapes: Shapes,
     /// What is looked through.
     frustum: Option<Frustum>,
     /// What the ledger looked through last, and when; not since the last edit.
@@ -84,6 +87,7 @@ pub fn work(shared: &Shared, configuration: &Configuration, settings: &Settings)
         refused: None,
         rules,
         world,
+        shapes: Shapes::default(),
         frustum: None,
         looked: None,
         edits: 0,
@@ -200,7 +204,10 @@ impl Worker<'_> {
         if self.enough == Some((photons, error, self.edits)) {
             return false;
         }
-        let now = spread(&self.world, self.light.buckets(), &Scale::new(&self.world, photons));
+        let (configuration, scale) = (self.world.configuration(), Scale::new(&self.world, photons));
+        self.shapes.learn(configuration);
+        let lamps = configuration.lamp_slots();
+        let now = Reconstruction::new(&self.shapes, configuration, self.light.buckets(), &scale, lamps).median_error();
         if now <= error {
             self.enough = Some((photons, error, self.edits));
             return false;

@@ -138,9 +138,9 @@ fn numbers(desk: &mut Desk, ui: &mut Ui, ready: &Ready) {
         };
         line("Exact in", to_exact, "At the rate of the last second");
         line(
-            "Spread",
-            format!("{:.1} %", 100.0 * ready.spread),
-            "Estimated error of the indirect light of a mesh element when all is right, RMS over the scene. Four times the photons halve it",
+            "Error",
+            format!("{:.1} %", 100.0 * ready.median_error),
+            "Estimated error of the indirect light, as it is drawn, when all photons are right: half of all surfaces are nearer to the truth. Four times the photons about halve it",
         );
         let (records, hint) = match snapshot.method {
             Method::Ledger { bytes } => (
@@ -200,7 +200,7 @@ fn controls(desk: &mut Desk, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let mut sharpens = controls.error.is_some();
         ui.checkbox(&mut sharpens, "sharpen to").on_hover_text(
-            "Once nothing is wrong more photons are shot until the spread is no more than this, or the memory for their records is full. \
+            "Once nothing is wrong more photons are shot until the estimated error is no more than this, or the memory for their records is full. \
              Half of it takes four times the photons",
         );
         let slider = Slider::new(&mut percent, 0.1..=10.0).logarithmic(true).suffix(" %").max_decimals(1);
