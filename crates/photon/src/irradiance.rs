@@ -77,38 +77,3 @@ impl Scale {
         sum
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, solution::Solution};
-    use lightmend_scene::{Configuration, Scene};
-    use std::{path::Path, sync::Arc};
-
-    #[test]
-    fn spread_tells_the_error() {
-        let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
-        let world = Arc::new(World::new(&Configuration::initial(&Scene::read(&room).unwrap().0), TreePreset::default()));
-        let shoot = |photons, seed| {
-            let pool = Pool::new(photons, 288, 16, Scrambling::Seed(seed)).unwrap();
-            let solution = Solution::shoot(pool, world.clone(), FirstHits::AsLampsSay, &mut |_, _| true).unwrap();
-            (solution.buckets().clone(), Scale::new(&world, photons))
-        };
-        let (light, scale) = shoot(200_000, 1);
-        let (reference, reference_scale) = shoot(8_000_000, 2);
-        let (mut error, mut square) = (0.0, 0.0);
-        for (id, object) in world.configuration().objects() {
-            for (cell, side) in (0..object.lattice.cells()).flat_map(|cell| [(cell, 0), (cell, 1)]) {
-                let area = object.lattice.area(cell);
-                let right = reference_scale.irradiance(&reference, id, cell, side, area).value;
-                let found = scale.irradiance(&light, id, cell, side, area);
-                error += area * (found.value - right).length_squared();
-                square += area * right.length_squared();
-            }
-        }
-        let (estimated, measured) = (spread(&world, &light, &scale), (error / square).sqrt());
-        println!("estimated {estimated:.4}, measured {measured:.4}");
-        // Hits are not independent, and 8 million photons err by a sixth as much themselves.
-        assert!((estimated / measured - 1.0).abs() < 0.3, "estimated {estimated}, measured {measured}");
-    }
-}

@@ -1,7 +1,13 @@
 use super::*;
 use crate::{
+    accuracy::relative_errors,
     body::TreePreset,
     bucket::{Address, Bucket, ENERGY_BITS},
+    field::{Field, Side},
+    halton::Scrambling,
+    path::FirstHits,
+    pool::Pool,
+    solution::Solution,
     world::World,
 };
 use lightmend_scene::{Lattice, Object, Scene};
@@ -254,4 +260,33 @@ fn a_point_has_the_flux_around_it_over_the_area() {
     lit.buckets.set(to, Bucket { energy: [1 << ENERGY_BITS; 3], hits: 1 });
     let irradiance = lit.scale.irradiance(&lit.buckets, 0, 0, 0, 1.0);
     assert_eq!(lit.front(), [irradiance.value.as_vec3().to_array(); 3], "the triangle has 1 m²");
+}
+
+#[test]
+fn the_stated_median_error_is_the_true_one() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/room/room.ron");
+    let world = Arc::new(World::new(&Configuration::initial(&Scene::read(&room).unwrap().0), TreePreset::default()));
+    let shapes = Shapes::of(world.configuration());
+    let shoot = |photons, seed| {
+        let pool = Pool::new(photons, 288, 16, Scrambling::Seed(seed)).unwrap();
+        let solution = Solution::shoot(pool, world.clone(), FirstHits::Never, &mut |_, _| true).unwrap();
+        (solution.buckets().clone(), Scale::new(&world, photons))
+    };
+    let (exact, exact_scale) = shoot(8_000_000, 2);
+    let reference = Field::raw(&world, &exact, &exact_scale);
+    for photons in [100_000, 400_000] {
+        let (buckets, scale) = shoot(photons, 1);
+        let light = Reconstruction::new(&shapes, world.configuration(), &buckets, &scale, world.configuration().lamp_slots());
+        let field = Field::read(&world, |object, cell, side| Side {
+            irradiance: light.cell(object, cell, side).value,
+            area: world.object(object).lattice.area(cell),
+            hits: 0,
+        });
+        let [measured] = relative_errors(&field, &reference, [0.5]);
+        let stated = light.median_error();
+        println!("{photons} photons: stated {stated:.4}, measured {measured:.4}");
+        // 8 million photons err by some 1.2 % themselves.
+        let both = stated.hypot(0.012);
+        assert!((both / measured - 1.0).abs() < 0.15, "{photons} photons: stated {stated}, measured {measured}");
+    }
 }
