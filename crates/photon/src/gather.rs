@@ -111,14 +111,14 @@ impl Gather<'_> {
             let lattice = &self.world.object(hit.triangle.object()).lattice;
             let width = (2.0 * lattice.area_in(hit.triangle.in_mesh())).sqrt();
             if f64::from(hit.distance) >= width || surfaces == NEAR {
-                return self.indirect(&ray, hit, from, throughput, brought);
+                return self.indirect(&ray, hit, throughput, brought);
             }
             [u, v] = [random.unit(), random.unit()];
         }
     }
 
     /// Adds the photons' light at a hit: that of all surfaces that lie in one another there.
-    fn indirect(&self, ray: &Ray, hit: Hit, point: DVec3, throughput: DVec3, brought: &mut Brought) {
+    fn indirect(&self, ray: &Ray, hit: Hit, throughput: DVec3, brought: &mut Brought) {
         let mut seen: Vec<Side> = Vec::new();
         for hit in self.world.layers(ray, hit) {
             let (object, cell) = (hit.triangle.object(), cell(self.world, &hit));
@@ -128,7 +128,7 @@ impl Gather<'_> {
                 continue;
             }
             seen.push((object, cell, side));
-            let light = self.light.point(object, cell, side, point).value;
+            let light = self.light.cell(object, cell, side).value;
             brought.light += throughput * light;
             brought.from.push(((object, cell, side), luminance(throughput * light) / luminance(light).max(f64::MIN_POSITIVE)));
         }

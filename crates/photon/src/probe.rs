@@ -18,8 +18,13 @@ pub fn direct_of(world: &World, point: DVec3, normal: DVec3, counts: impl Fn(usi
         let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
         let cosine = to_lamp.dot(normal) / squared.sqrt();
-        if counts(id) && cosine > 0.0 && world.sees(above, id) {
-            sum += configuration.lamp(id).candela(lamp.rotation.transpose() * -to_lamp) * (cosine / squared);
+        if !counts(id) || cosine <= 0.0 {
+            continue;
+        }
+        // Where a lamp does not shine nothing is asked of the trees.
+        let candela = configuration.lamp(id).candela(lamp.rotation.transpose() * -to_lamp);
+        if candela != DVec3::ZERO && world.sees(above, id) {
+            sum += candela * (cosine / squared);
         }
     }
     sum

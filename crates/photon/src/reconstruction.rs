@@ -16,7 +16,7 @@ use crate::{
 };
 use glam::DVec3;
 use lightmend_scene::{Configuration, LatticePoints, Mesh, luminance};
-use multilevel::{Estimate, Sum, estimate, gradient};
+use multilevel::{Estimate, Sum, estimate};
 use patches::Patches;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -118,28 +118,18 @@ impl<'s> Reconstruction<'s> {
 
     /// Irradiance of one side (0: front, 1: back) of a cell: its mean. Hits are not counted.
     pub fn cell(&self, object: usize, cell: u32, side: usize) -> Irradiance {
-        self.find(object, cell, side)
-            .map_or_else(|| self.dark(object, cell), |(_, e, _)| self.irradiance(object, cell, e.value, e))
-    }
-
-    /// Irradiance of one side of a cell at a point of it, metres, in the scene: the cell's, followed along its gradient. Hits are not counted.
-    pub fn point(&self, object: usize, cell: u32, side: usize, point: DVec3) -> Irradiance {
-        let Some((patch, estimate, estimates)) = self.find(object, cell, side) else { return self.dark(object, cell) };
-        let cells = &self.shapes.get(object).patches.cells;
-        let motion = self.configuration.object_motion(object);
-        let step = motion.rotation.transpose() * (point - motion.translation) - cells.centre[patch];
-        let rise = DVec3::from_array(gradient(cells, estimates, patch).map(|g| g.dot(step)));
-        // No darker than half of the cell: a gradient says nothing of what lies beyond its fit.
-        self.irradiance(object, cell, (estimate.value + rise).max(estimate.value * 0.5), estimate)
+        let patch = || self.shapes.get(object).patches.of_cell(cell);
+        let estimate = self.sides[object][side].as_ref().and_then(|estimates| Some(&estimates[patch()?]));
+        estimate.map_or_else(|| self.dark(object, cell), |estimate| self.irradiance(object, cell, estimate))
     }
 
     /// An estimate as irradiance: colours are as uncertain as illuminance.
-    fn irradiance(&self, object: usize, cell: u32, value: DVec3, estimate: &Estimate) -> Irradiance {
+    fn irradiance(&self, object: usize, cell: u32, estimate: &Estimate) -> Irradiance {
         let light = luminance(estimate.value);
         if light <= 0.0 {
             return self.dark(object, cell);
         }
-        Irradiance { value, standard_error: estimate.value * (estimate.variance.sqrt() / light), hits: 0 }
+        Irradiance { value: estimate.value, standard_error: estimate.value * (estimate.variance.sqrt() / light), hits: 0 }
     }
 
     /// Where no photon came, one could have: its light is the error.
@@ -152,12 +142,6 @@ impl<'s> Reconstruction<'s> {
     pub fn same_place(&self, object: usize, a: u32, b: u32) -> bool {
         let patches = &self.shapes.get(object).patches;
         a == b || (patches.of_cell(a).is_some() && patches.of_cell(a) == patches.of_cell(b))
-    }
-
-    fn find(&self, object: usize, cell: u32, side: usize) -> Option<(usize, &Estimate, &[Estimate])> {
-        let estimates = self.sides[object][side].as_ref()?;
-        let patch = self.shapes.get(object).patches.of_cell(cell)?;
-        Some((patch, &estimates[patch], estimates))
     }
 
     /// Irradiance at each lattice point of one side of object `object`, lux per linear Rec. 709 channel; `None` if light never reached that side.

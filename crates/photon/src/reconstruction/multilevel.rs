@@ -79,7 +79,7 @@ fn in_grid(cells: &Level, grid: &Grid, sums: &[Sum]) -> Vec<Estimate> {
 }
 
 /// Gradient of irradiance at patch `p`, lux per metre for each channel, fitted to its neighbours.
-pub fn gradient(level: &Level, estimates: &[Estimate], p: usize) -> [DVec3; 3] {
+fn gradient(level: &Level, estimates: &[Estimate], p: usize) -> [DVec3; 3] {
     let here = &estimates[p];
     let light = luminance(here.value);
     let prior = level.area[p] / (PRIOR_GRADIENT * light).powi(2).max(f64::MIN_POSITIVE);
