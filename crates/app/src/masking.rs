@@ -6,7 +6,11 @@ use crate::{
     output::{self, say},
 };
 use lightmend_perception::{Luminance, Masking, MeshLimit, cache_folder, masking_map};
-use lightmend_scene::{Material, Object, Scene, Texture};
+use lightmend_photon::{
+    importance::{UNIT, Unmasked},
+    visible::footprint,
+};
+use lightmend_scene::{Configuration, Material, Object, Scene, Texture, View};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -47,6 +51,32 @@ impl Maskings {
         let look = || Arc::new(Masking::cached(&self.textures[number].1, limit, self.folder.as_deref()));
         let masking = self.tables.entry((number, limit)).or_insert_with(look).clone();
         Some(Covered { masking, limit, texels_per_metre })
+    }
+
+    /// Elevation of the threshold on a triangle of which a pixel covers a square with an edge of `footprint` metres.
+    pub fn elevation(&mut self, object: &Object, t: usize, footprint: f64) -> f64 {
+        let covered = self.on(object, t);
+        covered.map_or(1.0, |covered| f64::from(covered.masking.at((covered.texels_per_metre * footprint).max(1e-9))))
+    }
+
+    /// 1 ÷ T_e of all triangles with a texture, each as seen at its centre.
+    pub fn unmasked(&mut self, configuration: &Configuration, view: &View) -> Unmasked {
+        let up = configuration.scene().up;
+        let mut all = vec![Box::default(); configuration.object_slots()];
+        for (id, object) in configuration.objects() {
+            if object.materials.iter().all(|material| material.texture.is_none()) {
+                continue;
+            }
+            let motion = configuration.object_motion(id);
+            let of_triangle = |t: usize| {
+                let [a, b, c] = object.mesh.corners(t).map(|corner| motion.point(corner));
+                let (centre, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a).normalize_or_zero());
+                let elevation = self.elevation(object, t, footprint(view, up, centre, normal));
+                (f64::from(UNIT) / elevation).round() as u32
+            };
+            all[id] = (0..object.mesh.triangles.len()).map(of_triangle).collect();
+        }
+        Unmasked(all)
     }
 }
 
