@@ -5,6 +5,7 @@ use glam::DVec3;
 use lightmend_photon::{
     body::TreePreset,
     halton::Scrambling,
+    importance::Gaze,
     path::FirstHits,
     pool::{GroupId, Pool},
     recovery::{Order, Relevant, recover},
@@ -185,7 +186,7 @@ fn a_camera_changes_the_order_and_not_the_bits() {
         .into_iter()
         .map(|view| {
             let mut solution = start.clone();
-            solution.look(view.map(|v| Frustum::new(v, scene.up, 1.5)));
+            solution.look(view.map(|v| Gaze::Frustum(Frustum::new(v, scene.up, 1.5))));
             solution.change(after.clone());
             let order = repair(&mut solution, usize::MAX);
             assert_equal(&solution, &shoot(*start.pool(), &after, FirstHits::AsLampsSay));

@@ -3,6 +3,7 @@
 use crate::{
     Common,
     failure::Failure,
+    masking,
     output::{self, say},
 };
 use lightmend_photon::emission::LampChoice;
@@ -14,6 +15,9 @@ use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 pub struct Arguments {
     /// Scene file
     scene: PathBuf,
+    /// Folder for pictures of how far each texture hides errors of the light: the texture, and beside it its threshold elevation
+    #[arg(long, value_name = "DIR")]
+    masking: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
@@ -23,6 +27,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = common.read_scene(&arguments.scene)?;
     if common.talks() {
         describe(&scene);
+    }
+    if let Some(folder) = &arguments.masking {
+        masking::write_maps(&scene, folder, common.talks())?;
     }
     output::json(None, &summary(&scene), common.json)
 }

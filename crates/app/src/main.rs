@@ -10,6 +10,7 @@ mod figure;
 mod frames;
 mod import;
 mod indirect;
+mod masking;
 mod output;
 mod picture;
 mod points;

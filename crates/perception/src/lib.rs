@@ -1,4 +1,9 @@
-//! What a viewer can notice. So far: how visibly two pictures differ, for tests of images and for the accuracy of views.
+//! What a viewer can notice: how visibly two pictures differ, for tests of images and for the accuracy of views; and how far textures
+//! hide errors of the light.
+//!
+//! A texture's [`Luminance`] has contrast in octaves ([`bands()`]); weighed with what an eye sees ([`contrast_sensitivity`]) it raises the
+//! threshold at which errors of the light become visible ([`Masking`], [`cache_folder`]). On a plain surface that threshold is
+//! [`threshold_step`].
 //!
 //! Two pictures of one size become a [`Comparison`] by [`compare`]: FLIP's error of every pixel, its mean, its 99.9th percentile.
 //! The mean says how much the pictures differ as a whole; the percentile catches a small place that differs a lot, like a lost
@@ -16,8 +21,16 @@
 //! # Ok::<(), lightmend_perception::CompareError>(())
 //! ```
 
+mod bands;
+mod cache;
 mod flip;
 mod golden;
+mod masking;
+mod sensitivity;
 
+pub use bands::{Band, Luminance, bands};
+pub use cache::cache_folder;
 pub use flip::{CompareError, Comparison, ErrorMap, PIXELS_PER_DEGREE, compare};
 pub use golden::{GoldenError, MEAN_LIMIT, PERCENTILE_999_LIMIT, check_against_golden};
+pub use masking::{Masking, MeshLimit, map as masking_map, masking};
+pub use sensitivity::{contrast_sensitivity, threshold_step};

@@ -6,6 +6,7 @@
 use crate::{
     bucket::Buckets,
     hash::shuffle,
+    importance::Gaze,
     ledger::{LedgerSolution, Refused},
     path::Rules,
     pool::{PhotonIndex, Pool},
@@ -123,6 +124,15 @@ impl Course {
             Way::Recording { solution, .. } => solution.change(world)?,
         }
         Ok(Scan::default())
+    }
+
+    /// From now on, until the light is exact, what matters to a camera comes first, where this order has a choice.
+    pub fn look(&mut self, gaze: &Gaze) {
+        match &mut self.way {
+            Way::Ledger(ledger) => ledger.look(gaze),
+            Way::Groups(solution) => solution.look(Some(gaze.clone())),
+            Way::Photons { .. } | Way::Shooting { .. } | Way::Recording { .. } => {}
+        }
     }
 
     /// The next step; `None` if the light is exact. Refused if a ledger that is being recorded has no room for more.

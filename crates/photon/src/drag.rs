@@ -6,6 +6,7 @@
 use crate::{
     bucket::Buckets,
     hash::mix,
+    importance::Gaze,
     irradiance::Scale,
     ledger::LedgerSolution,
     recovery::Order,
@@ -71,7 +72,7 @@ impl Play<'_> {
             Order::Ledger(ledger) => Worker::Ledger { solution: Box::new(ledger.clone()), frustum: self.frustum, rays: 0 },
             _ => {
                 let mut solution = Box::new(self.start.clone());
-                solution.look(self.frustum);
+                solution.look(self.frustum.map(Gaze::Frustum));
                 Worker::Repair { solution, random: matches!(order, Order::Random), rays: 0 }
             }
         };
@@ -121,7 +122,7 @@ impl Worker {
                     solution.change(world.clone()).ok()?;
                     solution.scan(usize::MAX);
                 } else if let Some(frustum) = frustum {
-                    solution.look(frustum);
+                    solution.look(&Gaze::Frustum(*frustum));
                 }
                 while *rays < until {
                     let Some(mended) = solution.repair_next() else { break };

@@ -5,7 +5,7 @@
 //! element ([`bucket`]), which is read as irradiance ([`irradiance`]; at points: [`gather`], [`probe`]), for pictures between the elements' corners
 //! ([`mod@reconstruction`]); a [`mod@reference`] by path tracing is what it is held against. A [`pool`] of photons is shot ([`shooting`]) and, after edits, repaired group by group ([`solution`]: Algorithm 1
 //! of Dmitriev et al. 2002; or photon by photon with a [`ledger`] of their paths), in the background ([`solver`], with [`courtesy`]) or as an experiment, order against order ([`course`], [`recovery`], [`drag`], seen
-//! by a camera: [`visible`]). All element sides together are a [`field`], which a reference judges ([`accuracy`], [`balance`]).
+//! by a camera: [`visible`], [`importance`]). All element sides together are a [`field`], which a reference judges ([`accuracy`], [`balance`]).
 //!
 //! After any sequence of edits, once nothing is stale, every bucket equals that of a fresh solution to the bit.
 //!
@@ -38,6 +38,7 @@ mod first_segment;
 pub mod gather;
 pub mod halton;
 mod hash;
+pub mod importance;
 pub mod irradiance;
 mod lanes;
 pub mod ledger;

@@ -2,28 +2,28 @@
 
 use crate::{
     bucket::{Address, Buckets, Deposit, energy},
+    importance::Gaze,
     path::{End, Record, cell},
     triangle::Hit,
-    visible::Frustum,
     world::World,
 };
 use glam::Vec3;
 
-/// How much of a path a camera may see: the view importance V of Dmitriev et al. 2002, §5.3.
+/// How much of a path matters to a camera: the view importance V of Dmitriev et al. 2002, §5.3.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Watch {
-    /// Where hits count; nowhere without a camera.
-    pub frustum: Option<Frustum>,
-    /// Hits in the frustum.
-    pub seen: u32,
+pub struct Watch<'g> {
+    /// Which hits count; none without a camera.
+    pub gaze: Option<&'g Gaze>,
+    /// What they come to.
+    pub seen: u64,
     /// Traversals of the trees.
     pub rays: u64,
 }
 
-impl Record for Watch {
-    fn hit(&mut self, hit: &Hit, _: u8, _: Vec3, _: u16, _: bool, _: &World) {
-        if let Some(frustum) = &self.frustum {
-            self.seen += u32::from(frustum.contains(hit.triangle.point(hit.weights)));
+impl Record for Watch<'_> {
+    fn hit(&mut self, hit: &Hit, side: u8, _: Vec3, _: u16, deposits: bool, world: &World) {
+        if let Some(gaze) = self.gaze {
+            self.seen += u64::from(gaze.hit(hit, || cell(world, hit), side, deposits));
         }
     }
 

@@ -13,12 +13,12 @@ use crate::{
     bucket::Buckets,
     first_segment::FirstSegments,
     hash::shuffle,
+    importance::Gaze,
     path::{FirstHits, Rules, Touched, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
     record::{Outcome, Tally, Watch},
     saved::Saved,
     shooting::{Shooting, Work},
-    visible::Frustum,
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -57,11 +57,11 @@ pub struct Solution {
     turn: usize,
 }
 
-/// V of each group: how many hits of pilots that resemble it lie in the camera's frustum.
+/// V of each group: how much the hits of pilots that resemble it matter to the camera.
 #[derive(Clone, Default)]
 struct Visibility {
-    frustum: Option<Frustum>,
-    hits: Vec<u32>,
+    gaze: Option<Gaze>,
+    hits: Vec<u64>,
     /// Pilots shot since the camera moved.
     pilots: u64,
 }
@@ -76,8 +76,8 @@ const PILOTS_FOR_VISIBILITY: u64 = 8;
 
 impl Visibility {
     fn importance(&self, group: GroupId) -> u64 {
-        let robust = self.frustum.is_some() && self.pilots >= PILOTS_FOR_VISIBILITY * self.hits.len() as u64;
-        if robust { u64::from(self.hits[group.0 as usize]) } else { 1 }
+        let robust = self.gaze.is_some() && self.pilots >= PILOTS_FOR_VISIBILITY * self.hits.len() as u64;
+        if robust { self.hits[group.0 as usize] } else { 1 }
     }
 }
 
@@ -85,7 +85,7 @@ impl Visibility {
 struct Finding {
     photon: PhotonIndex,
     touched: Touched,
-    seen: u32,
+    seen: u64,
 }
 
 /// A group that was brought up to date.
@@ -251,10 +251,10 @@ impl Solution {
         !self.pasts[self.past_of[group] as usize].changed.is_empty()
     }
 
-    /// From now on the light is looked at through this frustum: groups that it holds come first.
-    pub fn look(&mut self, frustum: Option<Frustum>) {
-        if self.view.frustum != frustum {
-            self.view = Visibility { frustum, hits: vec![0; self.priority.len()], pilots: 0 };
+    /// From now on the light is looked at like this: groups that matter most come first.
+    pub fn look(&mut self, gaze: Option<Gaze>) {
+        if self.view.gaze != gaze {
+            self.view = Visibility { gaze, hits: vec![0; self.priority.len()], pilots: 0 };
         }
     }
 
@@ -373,8 +373,8 @@ impl Solution {
                 let (mut old, mut new) = (Outcome::new(lamps, true), Outcome::new(lamps, false));
                 let (mut rays, mut findings) = (0, Vec::new());
                 for photon in photons {
-                    let frustum = self.view.frustum.filter(|_| self.pool.is_pilot(*photon));
-                    let mut common = Watch { frustum, ..Watch::default() };
+                    let gaze = self.view.gaze.as_ref().filter(|_| self.pool.is_pilot(*photon));
+                    let mut common = Watch { gaze, ..Watch::default() };
                     let mut watch = common;
                     let worlds = [before, &*self.world];
                     let mut both = (&mut new, &mut watch);

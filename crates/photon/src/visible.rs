@@ -3,7 +3,7 @@
 //! Visible error is the RMS over the camera's pixels of the difference of irradiance from the drained state, over the RMS of the
 //! drained state. The camera looks at the drained world.
 
-use crate::{bucket::Buckets, field::Field, irradiance::Scale, path, triangle::Ray, world::World};
+use crate::{bucket::Buckets, field::Field, importance::Importance, irradiance::Scale, path, triangle::Ray, world::World};
 use glam::{DVec3, Vec3};
 use lightmend_scene::{Up, View};
 use rayon::prelude::*;
@@ -63,9 +63,19 @@ impl Frustum {
     }
 }
 
+/// Edge of the square that a pixel of a picture [`SHOWN`] pixels high covers on a surface at `point` with a unit normal, m.
+pub fn footprint(view: &View, up: Up, point: DVec3, normal: DVec3) -> f64 {
+    let towards = point - view.eye;
+    let slant = normal.dot(towards.normalize_or_zero()).abs();
+    let [_, right, _] = view.axes(up);
+    towards.length() * 2.0 * right.length() / SHOWN / slant.max(1e-3).sqrt()
+}
+
 /// The element sides that a camera sees, each with the number of its pixels.
 pub struct Visible {
     sides: Vec<Side>,
+    /// Of each pixel, row by row from the top, an index into `sides`, or none.
+    pixels: Vec<u32>,
 }
 
 struct Side {
@@ -75,6 +85,25 @@ struct Side {
     /// Of the cell, m².
     area: f64,
     pixels: u32,
+    /// Where it was met first, and what it reflects there.
+    triangle: usize,
+    reflectance: Vec3,
+    /// Edge of the square on the surface that a pixel of a picture [`SHOWN`] pixels high covers, m.
+    footprint: f64,
+}
+
+/// Pixels of the height of the picture that a viewer is thought to look at.
+pub const SHOWN: f64 = 720.0;
+
+/// An element side that a camera sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// Index of the object.
+    pub object: usize,
+    /// The triangle of its mesh.
+    pub triangle: usize,
+    /// Edge of the square on the surface that a pixel covers, m: it grows with distance and tilt.
+    pub footprint: f64,
 }
 
 /// Pixels of the item buffer: enough that an element of a few per cent of the picture counts as it should.
@@ -84,23 +113,59 @@ const HEIGHT: u32 = 240;
 impl Visible {
     /// Casts a ray per pixel of a 320 × 240 picture.
     pub fn new(world: &World, view: &View) -> Visible {
-        let lens = Lens::new(view, world.configuration().scene().up);
+        let up = world.configuration().scene().up;
+        let lens = Lens::new(view, up);
         let see = |pixel: u32| {
             let x = (2.0 * f64::from(pixel % WIDTH) + 1.0 - f64::from(WIDTH)) / f64::from(HEIGHT);
             let y = 1.0 - (2.0 * f64::from(pixel / WIDTH) + 1.0) / f64::from(HEIGHT);
             let (hit, direction) = lens.see(world, x, y)?;
             let (object, side) = (hit.triangle.object(), usize::from(hit.triangle.normal.dot(direction) > 0.0));
-            let area = world.object(object).lattice.area_in(hit.triangle.in_mesh());
-            Some(Side { object, cell: path::cell(world, &hit), side, area, pixels: 1 })
+            let triangle = hit.triangle.in_mesh();
+            let area = world.object(object).lattice.area_in(triangle);
+            let normal = hit.triangle.normal.as_dvec3().normalize_or_zero();
+            let footprint = footprint(view, up, hit.triangle.point(hit.weights).as_dvec3(), normal);
+            let reflectance = path::reflectance(world, &hit);
+            Some(Side { object, cell: path::cell(world, &hit), side, area, pixels: 1, triangle, reflectance, footprint })
         };
-        let mut seen: Vec<Side> = (0..WIDTH * HEIGHT).into_par_iter().filter_map(see).collect();
-        seen.sort_by_key(|s| (s.object, s.cell, s.side));
+        let met: Vec<Option<Side>> = (0..WIDTH * HEIGHT).into_par_iter().map(see).collect();
+        let key = |s: &Side| (s.object, s.cell, s.side);
+        let keys: Vec<_> = met.iter().map(|side| side.as_ref().map(key)).collect();
+        let mut seen: Vec<Side> = met.into_iter().flatten().collect();
+        seen.sort_by_key(key);
         seen.dedup_by(|next, first| {
             let same = (next.object, next.cell, next.side) == (first.object, first.cell, first.side);
             first.pixels += u32::from(same);
             same
         });
-        Visible { sides: seen }
+        let number =
+            |wanted: &Option<(usize, u32, usize)>| wanted.and_then(|wanted| seen.binary_search_by_key(&wanted, key).ok());
+        let pixels = keys.iter().map(|key| number(key).map_or(u32::MAX, |number| number as u32)).collect();
+        Visible { sides: seen, pixels }
+    }
+
+    /// How much light matters on each side: pixels ÷ area ÷ `elevation` of the threshold there.
+    pub fn importance(&self, world: &World, mut elevation: impl FnMut(&Seen) -> f64) -> Importance {
+        let weight = |s: &Side| {
+            let weight = f64::from(s.pixels) / s.area / elevation(&s.seen());
+            (s.object, world.object(s.object).lattice.cells(), s.cell, s.side, weight)
+        };
+        Importance::new(world.configuration().object_slots(), &self.sides.iter().map(weight).collect::<Vec<_>>())
+    }
+
+    /// What is seen, in the order of [`values`](Self::values).
+    pub fn seen(&self) -> impl Iterator<Item = Seen> + '_ {
+        self.sides.iter().map(Side::seen)
+    }
+
+    /// Radiance of what is seen, in the same order: candela per m² and linear Rec. 709 channel.
+    pub fn radiance(&self, values: &[[f32; 3]]) -> Vec<Vec3> {
+        let of = |(s, v): (&Side, &[f32; 3])| Vec3::from_array(*v) * s.reflectance / std::f32::consts::PI;
+        self.sides.iter().zip(values).map(of).collect()
+    }
+
+    /// Width and height of the picture, and of each pixel, row by row from the top, which of what is seen it shows.
+    pub fn picture(&self) -> (u32, u32, impl Iterator<Item = Option<usize>> + '_) {
+        (WIDTH, HEIGHT, self.pixels.iter().map(|side| (*side != u32::MAX).then_some(*side as usize)))
     }
 
     /// Irradiance of what is seen, lux per linear Rec. 709 channel, in an order of its own.
@@ -128,6 +193,12 @@ impl Visible {
     /// Visible error of `light` against `drained`; 0 if nothing is seen. Both pools have the same size.
     pub fn error(&self, light: &Buckets, drained: &Buckets, scale: &Scale) -> f64 {
         self.difference(&self.values(light, scale), &self.values(drained, scale))
+    }
+}
+
+impl Side {
+    fn seen(&self) -> Seen {
+        Seen { object: self.object, triangle: self.triangle, footprint: self.footprint }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::{
     output::{self, say},
     picture, progress,
 };
-use lightmend_photon::{body::TreePreset, path::FirstHits, solution::Solution, visible::Frustum, world::World};
+use lightmend_photon::{body::TreePreset, importance::Gaze, path::FirstHits, solution::Solution, visible::Frustum, world::World};
 use lightmend_raster::{Device, RasterError, Renderer};
 use lightmend_scene::{Configuration, Edit, Moves, Scene, SceneError, View, unknown};
 use painter::{Moment, Painter};
@@ -202,7 +202,7 @@ fn play(
         let view = looked_through(time);
         let due = frame.saturating_mul(work);
         if frame > 0 {
-            solution.look(Some(Frustum::new(&view, up, f64::from(width) / f64::from(height))));
+            solution.look(Some(Gaze::Frustum(Frustum::new(&view, up, f64::from(width) / f64::from(height)))));
             // Group by group, so that Ctrl-C need not wait for a long round.
             while rays + unused < due && solution.stale_groups() > 0 && !progress::interrupted() {
                 rays += solution.repair_round(1).rays;

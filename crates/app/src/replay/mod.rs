@@ -2,8 +2,9 @@
 
 mod drag;
 mod report;
+mod views;
 
-use crate::{Common, PoolArguments, failure::Failure, output, progress};
+use crate::{Common, PoolArguments, failure::Failure, masking::Maskings, output, progress};
 use lightmend_photon::{
     body::TreePreset,
     ledger::{LedgerSolution, Refused},
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// Rays traced per frame while a drag is played step by step
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     work: u64,
+    /// Follow also what each of the scene's cameras sees, with every way to tell what matters to it: views.csv
+    #[arg(long)]
+    views: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -114,6 +118,8 @@ pub struct Chapter {
     pub tracks: Vec<Track>,
     /// The edit step by step, if it is a drag.
     pub drag: Option<drag::Drag>,
+    /// What cameras saw of it, if that was asked for.
+    pub views: Vec<views::Sight>,
     /// When its last step is done, seconds since its first.
     pub last_step: f64,
 }
@@ -134,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (moves, warnings) = Moves::read(&arguments.script, &scene)?;
     common.warn(&warnings);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "summary.json"];
+    let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "views.csv", "summary.json"];
     let files = files.map(String::from);
     let out = output::folder(&arguments.out, &files)?;
     let orders = without_doubles(&arguments.orders);
@@ -147,6 +153,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         false => None,
     };
     let mut chapters = Vec::new();
+    let mut maskings = Maskings::new();
     for (number, timed) in moves.edits.iter().enumerate() {
         configuration = configuration.apply(&timed.edit)?;
         let Some((mut chapter, fresh, next)) =
@@ -157,8 +164,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if matches!(timed.edit, Edit::Drag { .. }) {
             chapter.drag = drag::play(&moves, timed, &drained, ledger.as_ref(), &fresh, arguments.work, &orders, common.quiet)?;
         }
+        if arguments.views {
+            chapter.views = views::follow(&mut maskings, &drained, ledger.as_ref(), &fresh, &orders, common.quiet)?;
+        }
         if common.talks() {
             report::print(&chapter);
+            views::print(&chapter.views);
         }
         chapters.push(chapter);
         (drained, ledger) = (fresh, next);
@@ -290,6 +301,7 @@ fn chapter(
         .collect();
     let steps = timed.edit.steps(drained.world().configuration())?;
     let last_step = steps.last().map_or(0.0, |(at, _)| at - steps[0].0);
-    let chapter = Chapter { title, relevant: relevant.count(), photons: pool.photons(), tracks, drag: None, last_step };
+    let chapter =
+        Chapter { title, relevant: relevant.count(), photons: pool.photons(), tracks, drag: None, views: Vec::new(), last_step };
     Ok(Some((chapter, fresh, next)))
 }

@@ -1,6 +1,6 @@
 //! What `replay` says of its chapters: on the terminal, as JSON, CSV and figures.
 
-use super::{Chapter, drag};
+use super::{Chapter, drag, views};
 use crate::{
     Common,
     failure::Failure,
@@ -55,6 +55,9 @@ pub fn json(chapters: &[Chapter]) -> Value {
 /// Writes CSV files and figures.
 pub fn write(out: &Path, scene: &str, chapters: &[Chapter], work: u64, common: &Common) -> Result<(), Failure> {
     output::write(&out.join("recovery.csv"), |file| write_csv(file, chapters))?;
+    if chapters.iter().any(|chapter| !chapter.views.is_empty()) {
+        output::write(&out.join("views.csv"), |file| views::write_csv(file, chapters))?;
+    }
     let panels: Vec<Panel> = chapters.iter().map(|chapter| panel(scene, chapter)).collect();
     let mut figures = vec![("recovery", figure::write(out, "recovery", &panels, None)?.left_out)];
     let drags: Vec<Panel> = chapters.iter().filter_map(|c| c.drag.as_ref().map(|d| drag::panel(scene, c, d, work))).collect();
@@ -111,6 +114,9 @@ fn chapter_json(number: usize, chapter: &Chapter) -> Value {
     let mut value = json!({ "edit": number, "title": chapter.title, "relevant_photons": chapter.relevant, "orders": orders });
     if let Some(frames) = &chapter.drag {
         value["drag"] = drag::json(frames, chapter.last_step);
+    }
+    if !chapter.views.is_empty() {
+        value["views"] = views::json(&chapter.views);
     }
     value
 }

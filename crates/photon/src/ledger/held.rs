@@ -6,11 +6,12 @@
 use super::{
     chunk::{Chunk, Level},
     grid::Grid,
-    numbers::Numbers,
+    numbers::{ESCAPED, Element, Numbers},
     scan::{Marks, Suspicion},
     surfaces::Surfaces,
 };
 use crate::{
+    importance::Importance,
     visible::Frustum,
     world::{Crowd, Difference, World},
 };
@@ -124,7 +125,7 @@ impl Held {
     }
 
     /// Recorded points of marked photons that lie in the frustum.
-    pub fn seen(&self, frustum: &Frustum, grid: &Grid) -> u32 {
+    pub fn seen(&self, frustum: &Frustum, grid: &Grid) -> u64 {
         if self.marked.is_empty() {
             return 0;
         }
@@ -132,8 +133,29 @@ impl Held {
         let of_level = |level: Level| {
             let inside =
                 |rank: usize| grid.point(level.places.map(|axis| axis[rank])).is_some_and(|point| frustum.contains(point));
-            (0..level.elements.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u32
+            (0..level.elements.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u64
         };
         self.chunk.levels().map(of_level).sum()
+    }
+
+    /// How much the recorded deposits of a marked photon matter on average; `counts` says of which lamps first hits deposit.
+    pub fn importance(&self, importance: &Importance, numbers: &Numbers, counts: &[bool]) -> u64 {
+        if self.marked.is_empty() {
+            return 0;
+        }
+        let is_marked = |rank: usize| self.marked.iter().any(|(_, marks)| marks.has(rank));
+        let lamps = self.chunk.lamps();
+        let first_counts = |rank: usize| counts.get(usize::from(lamps[rank.min(lamps.len() - 1)])).is_some_and(|counts| *counts);
+        let mut sum = 0;
+        for (level, Level { elements, .. }) in self.chunk.levels().enumerate() {
+            for (rank, element) in elements.iter().enumerate() {
+                if *element != ESCAPED && is_marked(rank) && (level > 0 || first_counts(rank)) {
+                    let Element { object, cell, side } = numbers.element(*element);
+                    sum += u64::from(importance.of(object, cell, side));
+                }
+            }
+        }
+        // Sums that are not 0 stay so.
+        sum.div_ceil(u64::from(self.marks().max(1)))
     }
 }

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     body::TreePreset,
+    importance::Gaze,
     irradiance::Scale,
     ledger::{LedgerSolution, Refused},
     path::Rules,
@@ -129,7 +130,7 @@ impl Worker<'_> {
                 let frustum = Frustum::new(view, wanted.configuration.scene().up, ASPECT);
                 self.frustum = Some(frustum);
                 if let Light::Groups(solution) = &mut self.light {
-                    solution.look(Some(frustum));
+                    solution.look(Some(Gaze::Frustum(frustum)));
                 }
             }
             let paused = wanted.controls.paused && wanted.waiting == 0;
@@ -279,7 +280,7 @@ impl Worker<'_> {
                     if let (true, Some(frustum)) = (visible_first, self.frustum)
                         && self.looked.is_none_or(|(last, when)| last != frustum && when.elapsed() > LOOK)
                     {
-                        ledger.look(&frustum);
+                        ledger.look(&Gaze::Frustum(frustum));
                         self.looked = Some((frustum, Instant::now()));
                     }
                     ledger.repair_next().map(|mended| mended.work)
