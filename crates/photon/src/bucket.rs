@@ -3,7 +3,9 @@
 //! Integers add and subtract exactly in any order: the order of threads, edits or photons never changes a bit. A page of buckets
 //! exists only where light has arrived, so the inside of furniture costs nothing.
 //!
-//! Headroom: a deposit is at most 2²⁴ per channel; 2⁴² photons cannot be, but 10⁸ photons of 64 hits each stay below 2⁵⁷.
+//! Headroom: a deposit is at most 2²⁴ per channel, so 2³⁹ − 1 of them fit a sum of 63 bits wherever they go: 55 times 10¹⁰. No slab of photons is
+//! shot once there are [`MOST_DEPOSITS`], half of that; a slab adds at most 2³³ ([`crate::shooting::Shooting::is_full`]). An edit that more than doubles
+//! the light of such a pool in one element ends in a panic that says so, never in wrong light.
 
 use glam::Vec3;
 use lightmend_scene::Configuration;
@@ -14,6 +16,9 @@ use std::{
 
 /// log₂ of the energy of a photon that has lost nothing: a deposit is `round(throughput · 2²⁴)`.
 pub const ENERGY_BITS: u32 = 24;
+
+/// Deposits from which on no more photons are shot, so that no bucket can overflow.
+pub const MOST_DEPOSITS: i64 = 1 << 38;
 
 /// Where a deposit goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +69,8 @@ pub struct Buckets {
     cells: Vec<u32>,
     /// Per object, a page for each side of each lamp: 2 · lamp + side.
     pages: Vec<Vec<Option<Arc<[Bucket]>>>>,
+    /// Hits in all buckets.
+    deposits: i64,
 }
 
 impl Buckets {
@@ -89,10 +96,16 @@ impl Buckets {
             let bucket = &mut self.page(deposit.to)[deposit.to.cell as usize];
             let sign = if deposit.negative { -1 } else { 1 };
             for (sum, energy) in bucket.energy.iter_mut().zip(deposit.energy) {
-                *sum += sign * i64::from(energy);
+                *sum = sum.checked_add(sign * i64::from(energy)).expect("a mesh element holds more light than can be counted");
             }
             bucket.hits += sign;
+            self.deposits += sign;
         }
+    }
+
+    /// Deposits that all buckets hold together.
+    pub fn deposits(&self) -> i64 {
+        self.deposits
     }
 
     /// Adds the light of another pool in the same scene.
@@ -102,11 +115,13 @@ impl Buckets {
             bucket.energy.iter_mut().zip(more.energy).for_each(|(sum, energy)| *sum += energy);
             bucket.hits += more.hits;
         }
+        self.deposits += other.deposits;
     }
 
     /// Sets one bucket.
     pub fn set(&mut self, at: Address, bucket: Bucket) {
-        self.page(at)[at.cell as usize] = bucket;
+        let before = std::mem::replace(&mut self.page(at)[at.cell as usize], bucket);
+        self.deposits += bucket.hits - before.hits;
     }
 
     #[inline]

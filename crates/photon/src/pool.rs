@@ -3,7 +3,10 @@
 //! With N photons, N_g groups and pilots' ratio R, a group has N_p = ⌊N / (N_g R)⌋ pilots: group *g* holds the pilots
 //! [g·N_p, (g+1)·N_p) and the corrective photons i ≥ N_g·N_p with i mod N_g = g. What N leaves over joins its residue class.
 
-use crate::halton::{INDEX_LIMIT, Scrambling, Sequence};
+use crate::{
+    bucket::MOST_DEPOSITS,
+    halton::{INDEX_LIMIT, Scrambling, Sequence},
+};
 
 /// The index of a photon; its path is a function of it and of the configuration alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -26,8 +29,8 @@ pub enum PoolError {
         /// R.
         ratio: u32,
     },
-    /// More photons than indices.
-    #[error("{0} photons are too many: the limit is {INDEX_LIMIT}")]
+    /// More photons than buckets can count.
+    #[error("{0} photons are too many: the limit is {MOST_DEPOSITS}")]
     TooLarge(u64),
     /// No groups or no photons in them.
     #[error("the number of groups and the pilots' ratio must be at least 1")]
@@ -59,7 +62,7 @@ impl Pool {
         if groups == 0 || ratio == 0 {
             return Err(PoolError::Empty);
         }
-        if photons > INDEX_LIMIT {
+        if photons > MOST_DEPOSITS as u64 {
             return Err(PoolError::TooLarge(photons));
         }
         let pilots = photons / (u64::from(groups) * u64::from(ratio));

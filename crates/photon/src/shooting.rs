@@ -1,7 +1,7 @@
 //! Shooting a pool for the first time, slab by slab and class by class.
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, MOST_DEPOSITS},
     path::Rules,
     pool::PhotonIndex,
     record::{Outcome, Tally},
@@ -74,6 +74,11 @@ impl Shooting {
     /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
     pub const LEAST: u64 = CLASSES;
 
+    /// Whether a further slab could make a bucket or a tally overflow.
+    pub fn is_full(&self) -> bool {
+        is_full(&self.buckets, self.work.photons)
+    }
+
     /// What is shot at.
     pub fn world(&self) -> &Arc<World> {
         &self.world
@@ -119,6 +124,11 @@ impl Shooting {
     pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
         Shooting { rules, world, buckets, tallies, work, spare: Spare::default() }
     }
+}
+
+/// Whether a further slab could make a bucket or a tally overflow.
+pub(crate) fn is_full(buckets: &Buckets, photons: u64) -> bool {
+    buckets.deposits() >= MOST_DEPOSITS || photons >= MOST_DEPOSITS as u64
 }
 
 /// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one

@@ -18,7 +18,7 @@ use crate::{
     pool::{GroupId, PhotonIndex, Pool},
     record::{Outcome, Tally, Watch},
     saved::Saved,
-    shooting::{Shooting, Work},
+    shooting::{Shooting, Work, is_full},
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -98,7 +98,7 @@ pub struct Repaired {
 }
 
 impl Solution {
-    /// Shoots a whole pool. `progress` hears of the photons shot so far and of the rays of the last slab, and may end the work by
+    /// Shoots a whole pool, or as much of it as the buckets can count ([`Shooting::is_full`]). `progress` hears of the photons shot so far and of the rays of the last slab, and may end the work by
     /// returning `false`; what was shot until then is then the whole pool, smaller. `None` if that is less than the groups need.
     pub fn shoot(
         pool: Pool,
@@ -131,7 +131,8 @@ impl Solution {
         })
     }
 
-    /// Shoots `count` more photons; each joins the group that it resembles. Only while nothing is stale: `None` otherwise.
+    /// Shoots `count` more photons; each joins the group that it resembles. Only while nothing is stale: `None` otherwise. None at all are shot
+    /// where the buckets could not count them.
     pub fn grow(&mut self, count: u64) -> Option<Work> {
         if self.stale_groups() > 0 {
             return None;
@@ -139,14 +140,21 @@ impl Solution {
         let (buckets, tallies) = (std::mem::take(&mut self.buckets), std::mem::take(&mut self.tallies));
         let before = Work { photons: self.pool.photons(), rays: 0 };
         let mut shooting = Shooting::of(self.rules.clone(), self.world.clone(), buckets, tallies, before);
-        shooting.shoot(count);
+        while shooting.photons() < before.photons + count && !shooting.is_full() {
+            shooting.shoot((before.photons + count - shooting.photons()).min(Shooting::SLAB));
+        }
         self.pool = self.pool.grown(shooting.photons());
         (self.buckets, self.tallies) = (shooting.buckets, shooting.tallies);
-        Some(Work { photons: count, rays: shooting.work.rays })
+        Some(Work { photons: shooting.work.photons - before.photons, rays: shooting.work.rays })
+    }
+
+    /// Whether the buckets can count more photons.
+    pub(crate) fn has_room(&self) -> bool {
+        !is_full(&self.buckets, self.pool.photons())
     }
 
     fn finish(pool: Pool, mut shooting: Shooting, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
-        while shooting.photons() < pool.photons() {
+        while shooting.photons() < pool.photons() && !shooting.is_full() {
             let left = pool.photons() - shooting.photons();
             let rays = shooting.work.rays;
             shooting.shoot(left.min(Shooting::SLAB));

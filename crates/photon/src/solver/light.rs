@@ -83,7 +83,8 @@ impl Light {
     pub fn has_room(&self) -> bool {
         match self {
             Light::Ledger(ledger) => ledger.admits(ledger.photons() + Shooting::SLAB).is_ok(),
-            _ => true,
+            Light::Shooting { shooting, .. } => !shooting.is_full(),
+            Light::Groups(solution) => solution.has_room(),
         }
     }
 

@@ -1,0 +1,92 @@
+//! 2. Scale and offset: the ROOM in other units, and far from the origin.
+
+use crate::table::Row;
+use glam::DVec3;
+use lightmend_photon::{irradiance::Scale, path::FirstHits};
+use lightmend_scene::{
+    Scene,
+    format::{SceneFile, write_ron},
+    obj::write_obj,
+};
+use lightmend_tests::{count, own_scene, pool, shoot, world};
+use std::{fs::File, io::BufWriter, sync::Arc};
+
+/// The ROOM, larger by `factor` and then moved; its lamps as much stronger as light gets weaker.
+fn room(factor: f64, offset: DVec3) -> Arc<Scene> {
+    let scene = own_scene("room");
+    let folder = tempfile::tempdir().unwrap();
+    let mut file: SceneFile = scene.file.clone();
+    file.relocate(scene.path.parent().unwrap(), folder.path()).unwrap();
+    file.cell *= factor;
+    for (n, entry) in file.objects.iter_mut().enumerate() {
+        let object = scene.objects.iter().find(|o| o.name == entry.name).unwrap();
+        let mut mesh = (*object.mesh).clone();
+        mesh.positions.iter_mut().for_each(|p| *p *= factor);
+        let name = format!("{n}.obj");
+        write_obj(&mut BufWriter::new(File::create(folder.path().join(&name)).unwrap()), &[(entry.name.clone(), &mesh)]).unwrap();
+        (entry.mesh, entry.part) = (name, None);
+        entry.position = entry.position * factor + if entry.on.is_none() { offset } else { DVec3::ZERO };
+    }
+    for lamp in &mut file.lamps {
+        lamp.position = lamp.position * factor + if lamp.on.is_none() { offset } else { DVec3::ZERO };
+        lamp.intensity *= factor * factor;
+        lamp.rated = lamp.rated.map(|r| r * factor * factor);
+    }
+    for camera in &mut file.cameras {
+        (camera.eye, camera.target) = (camera.eye * factor + offset, camera.target * factor + offset);
+    }
+    let path = folder.path().join("room.ron");
+    write_ron(&path, &file).unwrap();
+    Scene::read(&path).unwrap().0
+}
+
+/// Mean illuminance of the green channel over all surfaces, lux, and photons lost.
+fn light(scene: &Arc<Scene>, photons: u64) -> (f64, i64) {
+    let world = world(scene);
+    let solution = shoot(pool(photons), &world, FirstHits::Always);
+    let scale = Scale::new(&world, photons);
+    let lumens: f64 = solution.buckets().lit().map(|(at, b)| b.energy[1] as f64 * scale.lumens(usize::from(at.lamp)).y).sum();
+    let area: f64 = scene
+        .objects
+        .iter()
+        .map(|o| {
+            (0..o.mesh.triangles.len()).map(|t| o.lattice.area_in(t) * f64::from(o.lattice.divisions(t)).powi(2)).sum::<f64>()
+        })
+        .sum();
+    (lumens / area, solution.tallies().iter().map(|t| t.escaped + t.cut).sum())
+}
+
+pub fn rows() -> Vec<Row> {
+    let photons = count(50_000, 2_000_000);
+    let mut rows = Vec::new();
+    let home = room(1.0, DVec3::ZERO);
+    let right = light(&home, photons).0;
+    let base = shoot(pool(photons), &world(&home), FirstHits::Always);
+    for (case, factor) in [("ROOM 1,024 times as large", 1024.0), ("ROOM 1/1,024 as large", 1.0 / 1024.0)] {
+        let solution = shoot(pool(photons), &world(&room(factor, DVec3::ZERO)), FirstHits::Always);
+        rows.push(Row::exactly(
+            case,
+            "buckets other than the ROOM's",
+            0,
+            "powers of two round nothing",
+            usize::from(!solution.equals(&base)),
+        ));
+    }
+    for (case, factor) in [("ROOM in kilometres (× 1000)", 1e3), ("ROOM in millimetres (÷ 1000)", 1e-3)] {
+        let (got, lost) = light(&room(factor, DVec3::ZERO), photons);
+        rows.push(Row::near(case, "mean illuminance, lux", right, "the ROOM's: candela · s², metres · s", got, 2e-3));
+        rows.push(Row::exactly(case, "photons lost", 0, "closed", lost));
+    }
+    let far = [("100 m", 1e2, true), ("1 km", 1e3, true), ("10 km", 1e4, false), ("1,000 km", 9.9e5, false)];
+    for (distance, metres, near) in far {
+        let case = format!("ROOM {distance} from the origin");
+        let (got, lost) = light(&room(1.0, DVec3::new(metres, -metres / 2.0, 0.0)), photons);
+        let light = Row::near(&case, "mean illuminance, lux", right, "the ROOM's", got, if near { 1e-2 } else { 2e-3 });
+        let kept = Row::exactly(&case, "photons lost", 0, "closed", lost);
+        let why = "world coordinates are f32, and a path steps back by 10⁻⁵ of the largest: 10 cm at 10 km, 10 m at 1,000 km. The loader does not recentre yet";
+        for row in [light, kept] {
+            rows.push(if near { row } else { row.documented_if_missed(why) });
+        }
+    }
+    rows
+}
