@@ -4,13 +4,12 @@ use glam::DVec3;
 use lightmend_photon::{
     body::TreePreset,
     halton::Scrambling,
-    importance::Gaze,
     ledger::{LedgerSolution, Refused},
     path::FirstHits,
     pool::Pool,
     recovery::Relevant,
     solution::Solution,
-    visible::Frustum,
+    visible::Visible,
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Scene};
@@ -124,7 +123,7 @@ fn mixed_edits_drain_to_the_stateless_and_to_a_fresh_solution() {
                         ledger.change(next).unwrap();
                         ledger.scan(step.groups * 3);
                         if let (true, Some((_, view))) = (number % 3 == 0, scene.cameras.first()) {
-                            ledger.look(&Gaze::Frustum(Frustum::new(view, scene.up, 4.0 / 3.0)));
+                            ledger.look(&Visible::new(ledger.world(), view).importance(ledger.world(), |_| 1.0));
                         }
                         drain(&mut ledger, step.groups / 8);
                         // It grows whatever is still wrong; an edit may come before a slab is complete.

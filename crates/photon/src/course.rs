@@ -129,7 +129,11 @@ impl Course {
     /// From now on, until the light is exact, what matters to a camera comes first, where this order has a choice.
     pub fn look(&mut self, gaze: &Gaze) {
         match &mut self.way {
-            Way::Ledger(ledger) => ledger.look(gaze),
+            Way::Ledger(ledger) => {
+                if let Gaze::Sides(importance) = gaze {
+                    ledger.look(importance);
+                }
+            }
             Way::Groups(solution) => solution.look(Some(gaze.clone())),
             Way::Photons { .. } | Way::Shooting { .. } | Way::Recording { .. } => {}
         }

@@ -6,7 +6,7 @@
 use crate::{
     bucket::Buckets,
     hash::mix,
-    importance::Gaze,
+    importance::{Gaze, Importance},
     irradiance::Scale,
     ledger::LedgerSolution,
     recovery::Order,
@@ -51,7 +51,7 @@ enum Worker {
     /// Repair in groups; `random` in random order, otherwise in Algorithm 1's.
     Repair { solution: Box<Solution>, random: bool, rays: u64 },
     /// Repair with a ledger: in pseudo-random order while something moves, what is visible first when it rests.
-    Ledger { solution: Box<LedgerSolution>, frustum: Option<Frustum>, rays: u64 },
+    Ledger { solution: Box<LedgerSolution>, importance: Importance, rays: u64 },
     /// A new pool for the newest world, shown when it is complete.
     Restart { shown: Buckets, shown_world: Arc<World>, shooting: Option<Box<Shooting>>, rays: u64 },
 }
@@ -69,7 +69,10 @@ impl Play<'_> {
                 shooting: None,
                 rays: 0,
             },
-            Order::Ledger(ledger) => Worker::Ledger { solution: Box::new(ledger.clone()), frustum: self.frustum, rays: 0 },
+            Order::Ledger(ledger) => {
+                let importance = self.visible.importance(self.end.world(), |_| 1.0);
+                Worker::Ledger { solution: Box::new(ledger.clone()), importance, rays: 0 }
+            }
             _ => {
                 let mut solution = Box::new(self.start.clone());
                 solution.look(self.frustum.map(Gaze::Frustum));
@@ -117,12 +120,12 @@ impl Worker {
     /// refuses.
     fn work(&mut self, start: &Solution, world: &Arc<World>, until: u64) -> Option<bool> {
         Some(match self {
-            Worker::Ledger { solution, frustum, rays } => {
+            Worker::Ledger { solution, importance, rays } => {
                 if !Arc::ptr_eq(solution.world(), world) {
                     solution.change(world.clone()).ok()?;
                     solution.scan(usize::MAX);
-                } else if let Some(frustum) = frustum {
-                    solution.look(&Gaze::Frustum(*frustum));
+                } else {
+                    solution.look(importance);
                 }
                 while *rays < until {
                     let Some(mended) = solution.repair_next() else { break };

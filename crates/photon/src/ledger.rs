@@ -22,7 +22,7 @@ mod swarm;
 use crate::{
     bucket::Buckets,
     hash::shuffle,
-    importance::Gaze,
+    importance::Importance,
     path::{Brought, FirstHits, Rules},
     pool::Pool,
     record::{Outcome, Tally},
@@ -322,19 +322,15 @@ impl LedgerSolution {
         self.outstanding == 0
     }
 
-    /// What matters to this camera is repaired first, until the next edit: chunks with more recorded hits of marked photons in its frustum
-    /// before others; or where it is known what is seen, those whose marked photons have left more there on average, so that the
-    /// visible error falls most for the work. Of chunks that were not scanned yet nothing is known. While something moves the pseudo-random order looks better:
+    /// What matters is repaired first, until the next edit: chunks whose marked photons have left more on important element sides, on
+    /// average over them, before others, so that the visible error falls most for the work. (More of it in sum first, or more hits in
+    /// the camera's frustum, is worse than no order: see `docs/perception.md`.) Of chunks that were not scanned yet nothing is known. While something moves the pseudo-random order looks better:
     /// see [`crate::solver::Order::Adaptive`].
-    pub fn look(&mut self, gaze: &Gaze) {
+    pub fn look(&mut self, importance: &Importance) {
         // Of a lamp that the rasteriser draws the first hits bring nothing.
         let counts: Vec<bool> =
             (0..self.tallies.len()).map(|lamp| Brought::from_lamp(&self.rules, &self.world, lamp as u16).counts).collect();
-        let of_chunk = |held: &Held| match gaze {
-            Gaze::Frustum(frustum) | Gaze::Masked(frustum, _) => held.seen(frustum, &self.grid),
-            Gaze::Sides(importance) => held.importance(importance, &self.numbers, &counts),
-        };
-        let seen: Vec<u64> = self.chunks.par_iter().map(of_chunk).collect();
+        let seen: Vec<u64> = self.chunks.par_iter().map(|held| held.importance(importance, &self.numbers, &counts)).collect();
         self.visible = self.shuffled.iter().copied().filter(|number| seen[*number as usize] > 0).collect();
         self.visible.sort_by_key(|number| seen[*number as usize]);
     }

@@ -68,7 +68,7 @@ impl Default for Controls {
 /// The order in which wrong photons are repaired. The light in the end is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// Groups by V·P: Algorithm 1 (Dmitriev et al. 2002, §5.2); with a ledger, what the camera may see first, once all is scanned.
+    /// Groups by V·P: Algorithm 1 (Dmitriev et al. 2002, §5.2); with a ledger, what the camera sees first, once all is scanned.
     Urgent,
     /// In a fixed pseudo-random order, going round.
     Shuffled,

@@ -148,8 +148,8 @@ pub fn follow(
         for order in orders {
             for (name, gaze) in &gazes {
                 let course = match order {
-                    // A ledger goes by hits in the frustum whatever they lie on.
-                    OrderArgument::Ledger if *name == "V 1/Te" => None,
+                    // Hits in the frustum were worse for a ledger than no order.
+                    OrderArgument::Ledger if name.starts_with('V') => None,
                     OrderArgument::Ledger => ledger.map(Course::ledger),
                     OrderArgument::Stateless => Some(Course::stateless(start)),
                     OrderArgument::Random | OrderArgument::Oracle | OrderArgument::Restart => None,

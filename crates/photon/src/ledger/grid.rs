@@ -74,6 +74,7 @@ impl Grid {
     }
 
     /// The middle of a stored point, metres; `None` if it is unknown.
+    #[cfg(test)]
     pub fn point(&self, place: Place) -> Option<Vec3> {
         (place[0] != UNKNOWN[0]).then(|| self.low + Vec3::from_array(place.map(f32::from)) / self.scale)
     }

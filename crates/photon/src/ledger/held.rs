@@ -12,7 +12,6 @@ use super::{
 };
 use crate::{
     importance::Importance,
-    visible::Frustum,
     world::{Crowd, Difference, World},
 };
 use std::{collections::BTreeMap, sync::Arc};
@@ -122,20 +121,6 @@ impl Held {
     /// How many photons are marked.
     pub fn marks(&self) -> u32 {
         self.marked.iter().map(|(_, marks)| marks.count()).sum()
-    }
-
-    /// Recorded points of marked photons that lie in the frustum.
-    pub fn seen(&self, frustum: &Frustum, grid: &Grid) -> u64 {
-        if self.marked.is_empty() {
-            return 0;
-        }
-        let is_marked = |rank: usize| self.marked.iter().any(|(_, marks)| marks.has(rank));
-        let of_level = |level: Level| {
-            let inside =
-                |rank: usize| grid.point(level.places.map(|axis| axis[rank])).is_some_and(|point| frustum.contains(point));
-            (0..level.elements.len()).filter(|rank| is_marked(*rank) && inside(*rank)).count() as u64
-        };
-        self.chunk.levels().map(of_level).sum()
     }
 
     /// How much the recorded deposits of a marked photon matter on average; `counts` says of which lamps first hits deposit.

@@ -13,10 +13,10 @@ use crate::{
     path::Rules,
     reconstruction::{Reconstruction, Shapes},
     shooting::{Shooting, Work},
-    visible::Frustum,
+    visible::{Frustum, Visible},
     world::World,
 };
-use lightmend_scene::Configuration;
+use lightmend_scene::{Configuration, View};
 use std::{
     sync::{Arc, PoisonError},
     time::{Duration, Instant},
@@ -28,7 +28,8 @@ const ASPECT: f64 = 16.0 / 9.0;
 /// Edits keep coming if the last one is no older than this. Longer: what is visible comes first later; shorter: a slow hand counts as rest.
 const RECENT: Duration = Duration::from_millis(300);
 
-/// What the camera may see of a ledger is not looked up more often than this: it reads the marked photons of a whole pool.
+/// What the camera sees of a ledger's light is not looked up more often than this: it casts a ray for each of 76,800 pixels and reads the
+/// marked photons of a whole pool.
 const LOOK: Duration = Duration::from_millis(500);
 
 /// Edits may throw away one so-many-th of a pool during its first shooting. Higher: light of the old place is seen for longer; lower: more
@@ -52,10 +53,10 @@ struct Worker<'s> {
     world: Arc<World>,
     /// For the error of its light.
     shapes: Shapes,
-    /// What is looked through.
-    frustum: Option<Frustum>,
-    /// What the ledger looked through last, and when; not since the last edit.
-    looked: Option<(Frustum, Instant)>,
+    /// Where the light is looked at from.
+    view: Option<View>,
+    /// Where the ledger looked from last, and when; not since the last edit.
+    looked: Option<(View, Instant)>,
     /// The number of the last edit that was taken up.
     edits: u64,
     /// When the last one came that changed anything.
@@ -89,7 +90,7 @@ pub fn work(shared: &Shared, configuration: &Configuration, settings: &Settings)
         rules,
         world,
         shapes: Shapes::default(),
-        frustum: None,
+        view: None,
         looked: None,
         edits: 0,
         edited: None,
@@ -127,8 +128,8 @@ impl Worker<'_> {
                 self.edit(&wanted);
             }
             if let Some(view) = &wanted.view {
+                self.view = Some(*view);
                 let frustum = Frustum::new(view, wanted.configuration.scene().up, ASPECT);
-                self.frustum = Some(frustum);
                 if let Light::Groups(solution) = &mut self.light {
                     solution.look(Some(Gaze::Frustum(frustum)));
                 }
@@ -277,11 +278,11 @@ impl Worker<'_> {
                     if visible_first && !ledger.scan(SCAN) {
                         continue;
                     }
-                    if let (true, Some(frustum)) = (visible_first, self.frustum)
-                        && self.looked.is_none_or(|(last, when)| last != frustum && when.elapsed() > LOOK)
+                    if let (true, Some(view)) = (visible_first, self.view)
+                        && self.looked.is_none_or(|(last, when)| last != view && when.elapsed() > LOOK)
                     {
-                        ledger.look(&Gaze::Frustum(frustum));
-                        self.looked = Some((frustum, Instant::now()));
+                        ledger.look(&Visible::new(&self.world, &view).importance(&self.world, |_| 1.0));
+                        self.looked = Some((view, Instant::now()));
                     }
                     ledger.repair_next().map(|mended| mended.work)
                 }
