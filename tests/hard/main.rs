@@ -8,6 +8,7 @@ mod accumulation;
 #[allow(dead_code)]
 #[path = "../shadows/compare.rs"]
 mod compare;
+mod files;
 mod gaps;
 mod lamps;
 mod long_paths;
@@ -73,4 +74,9 @@ fn sequence() {
 #[test]
 fn accumulation() {
     hold("accumulation", &accumulation::rows());
+}
+
+#[test]
+fn files() {
+    hold("files", &files::rows());
 }
