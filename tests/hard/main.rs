@@ -16,6 +16,7 @@ mod moves;
 #[allow(dead_code)]
 #[path = "../shadows/rays.rs"]
 mod rays;
+mod regressions;
 mod scale;
 mod sequence;
 mod sound;

@@ -77,11 +77,6 @@ impl Row {
         self
     }
 
-    /// The same where it depends on how far single precision is off whether it is missed.
-    pub fn documented_if_missed(self, why: &str) -> Row {
-        if self.verdict == Verdict::Fail { self.documented(why, true) } else { self }
-    }
-
     fn line(&self) -> String {
         let verdict = match &self.verdict {
             Verdict::Pass => "pass".to_owned(),

@@ -75,6 +75,7 @@ impl Default for Builder {
             up: Up::Z,
             cell: 1e6,
             reach: None,
+            origin: DVec3::ZERO,
             materials,
             objects,
             lamps: Vec::new(),

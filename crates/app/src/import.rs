@@ -257,6 +257,7 @@ impl Import {
             name,
             up,
             reach: None,
+            origin: DVec3::ZERO,
             cell: arguments.cell.unwrap_or_else(|| self.default_cell()),
             materials: self.materials.clone(),
             objects: objects.collect(),

@@ -58,8 +58,9 @@ impl Points {
 
     /// Where they lie in a world; refuses those that lie on no surface.
     pub fn locate(&self, world: &World) -> Result<Vec<Place>, Failure> {
+        let origin = world.configuration().scene().file.origin;
         let place = |(line, point, normal): &(usize, DVec3, DVec3)| {
-            locate(world, *point, *normal).ok_or_else(|| {
+            locate(world, *point - origin, *normal).ok_or_else(|| {
                 let what = format!("no surface facing {normal} is near the point {point}: move the point onto one");
                 SceneError::line(&self.path, *line, what).into()
             })
@@ -78,14 +79,15 @@ pub struct Light {
     pub standard_error: DVec3,
 }
 
-/// Writes points with their light.
-pub fn write(out: &mut impl Write, lit: impl IntoIterator<Item = (Place, Light)>) -> io::Result<()> {
+/// Writes points with their light; `origin` is the scene's.
+pub fn write(out: &mut impl Write, origin: DVec3, lit: impl IntoIterator<Item = (Place, Light)>) -> io::Result<()> {
     writeln!(
         out,
         "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b,\
          indirect_se_r,indirect_se_g,indirect_se_b,illuminance"
     )?;
     for (Place { point: p, normal: n, .. }, light) in lit {
+        let p = p + origin;
         write!(out, "{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)?;
         for v in [light.direct, light.indirect, light.standard_error] {
             write!(out, ",{:.6},{:.6},{:.6}", v.x, v.y, v.z)?;

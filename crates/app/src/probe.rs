@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::failed("interrupted before any point was gathered"));
     }
     let read = lit.len();
-    output::write(&files.out, |file| points::write(file, lit))?;
+    output::write(&files.out, |file| points::write(file, scene.file.origin, lit))?;
     if common.json {
         output::json(None, &serde_json::json!({ "points": read, "photons": photons, "out": files.out }), true)?;
     } else if common.talks() {

@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let direct = direct(&world, place.point, place.normal);
         (**place, Light { direct, indirect: estimate.value(), standard_error: estimate.standard_error() })
     });
-    output::write(&files.out, |file| points::write(file, lit))?;
+    output::write(&files.out, |file| points::write(file, scene.file.origin, lit))?;
 
     let mut errors: Vec<f64> = known.iter().map(|(_, estimate)| estimate.relative_error()).collect();
     errors.sort_by(f64::total_cmp);

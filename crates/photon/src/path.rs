@@ -114,7 +114,10 @@ impl<'w> Photon<'w> {
     pub(crate) fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
         let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
-        let ray = Ray::new(world.lamps()[lamp].position.as_vec3(), direction, None, 0.0);
+        let placed = &world.lamps()[lamp];
+        let from = placed.position.as_vec3();
+        let from = if placed.offset > 0.0 { from + direction * placed.offset } else { from };
+        let ray = Ray::new(from, direction, None, 0.0);
         let lamp = lamp as u16;
         let Brought { throughput, counts, .. } = Brought::from_lamp(rules, world, lamp);
         Some(Photon { index, lamp, first_counts: counts, hits: 0, throughput, ray })

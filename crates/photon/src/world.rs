@@ -139,6 +139,9 @@ pub struct PlacedLamp {
     pub position: DVec3,
     /// From lamp axes to the world.
     pub rotation: DMat3,
+    /// How far along their rays photons begin, metres: a step where the lamp lies in a surface, which they would otherwise all meet at once,
+    /// whether they leave above or below; else 0.
+    pub offset: f32,
 }
 
 /// Objects in one tree.
@@ -241,7 +244,7 @@ fn triangles_of(object: &Object, id: usize, motion: &Motion) -> Vec<Triangle> {
 
 fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
     let motion = configuration.lamp_motion(id);
-    PlacedLamp { position: motion.translation, rotation: lamp_rotation(configuration.scene().up, &motion) }
+    PlacedLamp { position: motion.translation, rotation: lamp_rotation(configuration.scene().up, &motion), offset: 0.0 }
 }
 
 impl World {
@@ -275,11 +278,24 @@ impl World {
         });
         world.crowd = Crowd::new(placed.collect());
         world.lamps = (0..configuration.lamp_slots()).map(|id| place_lamp(configuration, id)).collect();
+        for id in 0..world.lamps.len() {
+            let in_surface = world.meets(world.lamps[id].position.as_vec3());
+            world.lamps[id].offset = if in_surface { world.reach.step_back() } else { 0.0 };
+        }
         let choice = LampChoice::new(configuration);
         if choice != *self.choice {
             world.choice = Arc::new(choice);
         }
         world
+    }
+
+    /// Whether a surface passes through a point, but for a few roundings of the largest coordinate.
+    fn meets(&self, point: Vec3) -> bool {
+        let step = 1e-6 * self.reach.metres;
+        Vec3::AXES.iter().any(|axis| {
+            let ray = Ray::new(point - *axis * step, *axis * (2.0 * step), None, 0.0);
+            self.nearest(&ray).is_some_and(|hit| hit.distance <= 1.0)
+        })
     }
 
     fn place(&self, id: usize, motion: Motion) -> Arc<Placed> {

@@ -42,6 +42,9 @@ pub struct SceneFile {
     /// See [`crate::Configuration::reach`]; written where fixed objects were added or removed, so that photons' paths stay the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reach: Option<f64>,
+    /// Where positions count from, metres. The loader sets it where a scene lies so far from the origin that rays in single precision would miss.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub origin: DVec3,
     /// Materials by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, MaterialEntry>,
@@ -149,7 +152,7 @@ impl CameraEntry {
     }
 }
 
-fn is_zero(v: &DVec3) -> bool {
+pub(crate) fn is_zero(v: &DVec3) -> bool {
     *v == DVec3::ZERO
 }
 
@@ -214,6 +217,17 @@ pub fn write_atomically(
 }
 
 impl SceneFile {
+    /// From now on positions count from `origin`, which is where they counted from and some metres more.
+    pub(crate) fn recentre(&mut self, origin: DVec3) {
+        let by = self.origin - origin;
+        self.objects.iter_mut().filter(|o| o.on.is_none()).for_each(|o| o.position += by);
+        self.lamps.iter_mut().filter(|l| l.on.is_none()).for_each(|l| l.position += by);
+        for camera in &mut self.cameras {
+            (camera.eye, camera.target) = (camera.eye + by, camera.target + by);
+        }
+        self.origin = origin;
+    }
+
     /// Rewrites the paths of a file that stood in folder `from` for one that will stand in folder `to`.
     pub fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
         let textures = self.materials.values_mut().filter_map(|m| m.texture.as_mut());

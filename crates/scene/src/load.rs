@@ -79,12 +79,15 @@ impl<'a> Loader<'a> {
         }
     }
 
-    pub fn scene(&mut self, file: SceneFile) -> Result<Scene, SceneError> {
+    pub fn scene(&mut self, mut file: SceneFile) -> Result<Scene, SceneError> {
         if !(file.cell.is_finite() && file.cell > 0.0) {
             return Err(self.fault(format!("cell is {}; it must be a positive length in metres", file.cell)));
         }
         if let Some(reach) = file.reach.filter(|r| !(r.is_finite() && *r > 0.0)) {
             return Err(self.fault(format!("reach is {reach}; it must be a positive length in metres")));
+        }
+        if !within_reach(file.origin) {
+            return Err(self.fault(format!("origin is {}; it must be three numbers of metres up to {FARTHEST:e}", file.origin)));
         }
         self.unique("object", file.objects.iter().map(|o| &o.name))?;
         self.unique("lamp", file.lamps.iter().map(|l| &l.name))?;
@@ -106,6 +109,12 @@ impl<'a> Loader<'a> {
             let what =
                 format!("there would be {cells} mesh elements, more than {MOST_CELLS}; make `cell` larger than {} m", file.cell);
             return Err(self.fault(what));
+        }
+        if let Some(origin) = far_from_origin(&drafts).filter(|_| file.origin == DVec3::ZERO) {
+            let how_far = format!("it lies {:.0} m from the origin, too far for rays in single precision", origin.length());
+            self.warn(format!("{how_far}: positions are counted from {origin}, also in what is saved (`origin`)"));
+            file.recentre(origin);
+            return self.scene(file);
         }
         let mut lamps = Vec::new();
         for entry in &file.lamps {
@@ -378,6 +387,26 @@ impl<'a> Loader<'a> {
         }
         Ok(Arc::new(photometry))
     }
+}
+
+/// A scene is far from the origin if it lies so many times its size away: paths step back by 10⁻⁵ of the largest coordinate, which is
+/// then a thousandth of its size. At 100 times the ROOM still lost no photon, at 1,000 times it did.
+const FAR: f64 = 64.0;
+
+/// Where a scene should be counted from, whole metres; `None` if it is near enough. What stands fixed decides, if anything does: no move
+/// changes it.
+fn far_from_origin(drafts: &[Object]) -> Option<DVec3> {
+    let bounds = |fixed: bool| {
+        let objects = drafts.iter().filter(|o| o.carrier.is_none() && (!fixed || !o.dynamic));
+        let points = objects.flat_map(|o| {
+            let motion = o.pose.motion();
+            o.mesh.positions.iter().map(move |p| motion.point(*p))
+        });
+        points.fold(None, |box_: Option<[DVec3; 2]>, p| Some(box_.map_or([p, p], |[low, high]| [low.min(p), high.max(p)])))
+    };
+    let [low, high] = bounds(true).or_else(|| bounds(false))?;
+    let (centre, size) = ((low + high) / 2.0, (high - low).max_element());
+    (centre.abs().max_element() > FAR * size && size > 0.0).then(|| centre.round())
 }
 
 /// What a mesh's material is called where another mesh means something else by its name.

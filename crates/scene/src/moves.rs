@@ -2,7 +2,7 @@
 
 use crate::{
     Configuration, Edit, Scene, SceneError, View, Warning,
-    format::{read_ron, write_ron},
+    format::{is_zero, read_ron, write_ron},
 };
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -48,6 +48,9 @@ pub struct CameraKey {
 struct MovesFile {
     #[serde(default = "default_fps")]
     fps: f64,
+    /// Where positions count from, metres; those of a recording from the scene's own origin.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    origin: DVec3,
     edits: Vec<TimedEdit>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     cameras: Vec<CameraKey>,
@@ -69,11 +72,16 @@ impl Moves {
         moves.check_times().map_err(|what| SceneError::content(path, what))?;
         moves.edits.sort_by(|a, b| a.at.total_cmp(&b.at));
         moves.cameras.sort_by(|a, b| a.at.total_cmp(&b.at));
+        let by = file.origin - scene.file.origin;
+        for key in &mut moves.cameras {
+            (key.eye, key.target) = (key.eye + by, key.target + by);
+        }
         let mut configuration = Configuration::initial(scene);
         let mut warnings = Vec::new();
         for (number, timed) in moves.edits.iter_mut().enumerate() {
             let place = |e: SceneError| SceneError::content(path, format!("edit {number} (at {} s): {e}", timed.at));
             timed.edit.relocate(folder(path), folder(&scene.path)).map_err(place)?;
+            timed.edit.shift(&configuration, by);
             timed.edit.steps(&configuration).map_err(place)?;
             configuration = configuration.apply_warning(&timed.edit, &mut warnings).map_err(place)?;
         }
@@ -82,7 +90,8 @@ impl Moves {
 
     /// Writes a moves file; its paths are relative to the folder that it will stand in, those in memory to the scene's.
     pub fn write(&self, path: &Path, scene: &Scene) -> Result<(), SceneError> {
-        let mut file = MovesFile { fps: self.fps, edits: self.edits.clone(), cameras: self.cameras.clone() };
+        let (edits, cameras) = (self.edits.clone(), self.cameras.clone());
+        let mut file = MovesFile { fps: self.fps, origin: scene.file.origin, edits, cameras };
         for timed in &mut file.edits {
             timed.edit.relocate(folder(&scene.path), folder(path))?;
         }

@@ -143,6 +143,7 @@ fn hall(movables: usize, scenes: &Path, out: &Path) -> Result<std::path::PathBuf
         up: Up::Z,
         cell: 0.5,
         reach: None,
+        origin: DVec3::ZERO,
         materials: [("wall".into(), material(0.7)), ("wood".into(), material(0.4))].into(),
         objects: [fixed.clone()].into_iter().chain(chairs).collect(),
         lamps: lamps.collect(),

@@ -223,6 +223,24 @@ impl Edit {
         }
     }
 
+    /// Moves what it says of positions by some metres, where they are not relative to a carrier.
+    pub(crate) fn shift(&mut self, configuration: &Configuration, by: DVec3) {
+        let object_stands = |name: &str| configuration.object_id(name).is_ok_and(|id| configuration.object(id).carrier.is_none());
+        let lamp_stands = |name: &str| configuration.lamps().any(|(_, lamp)| lamp.name == name && lamp.carrier.is_none());
+        match self {
+            Edit::Move { object, to } | Edit::Drag { object, to, .. } | Edit::Duplicate { object, to, .. }
+                if object_stands(object) =>
+            {
+                *to += by;
+            }
+            Edit::MoveLamp { lamp, to } | Edit::DuplicateLamp { lamp, to, .. } if lamp_stands(lamp) => *to += by,
+            Edit::Put { on: None, to, .. } => *to += by,
+            Edit::Add(entry) if entry.on.is_none() => entry.position += by,
+            Edit::AddLamp(entry) if entry.on.is_none() => entry.position += by,
+            _ => {}
+        }
+    }
+
     /// Takes the paths of a file that stood in folder `from` to those of a scene in folder `to`.
     pub(crate) fn relocate(&mut self, from: &Path, to: &Path) -> Result<(), SceneError> {
         match self {
