@@ -114,7 +114,9 @@ pub fn write_maps(scene: &Scene, folder: &Path, talks: bool) -> Result<(), Failu
     let file = |stem: &str, limit: MeshLimit| format!("{stem}_{}.png", (1.0 / limit.frequency()) as u32);
     let files: Vec<String> = on.keys().map(|(stem, limit)| file(stem, *limit)).collect();
     let folder = output::folder(folder, &files)?;
-    if talks {
+    if talks && on.is_empty() {
+        say("\nnothing has a texture");
+    } else if talks {
         say(&format!("\n{:<28} {:>10} {:>8}  threshold elevation at 1, 4, 16 texels a pixel", "texture", "texels/m", "detail"));
     }
     for ((stem, limit), (texture, Covered { masking, texels_per_metre, .. })) in &on {

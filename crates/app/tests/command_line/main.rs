@@ -14,6 +14,7 @@ mod frames;
 mod import;
 mod interrupt;
 mod invariants;
+mod noticed;
 mod printed;
 mod report;
 mod resume;

@@ -1,0 +1,42 @@
+//! What could be noticed: textures that hide errors, and what cameras see of a repair.
+
+use crate::desk::Desk;
+
+#[test]
+fn every_texture_gets_a_map_of_what_it_hides() {
+    let desk = Desk::new();
+    let room = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/room/room.ron");
+    let told = desk.done(&format!("check {room} --masking maps"));
+    let line = told.lines().find(|line| line.starts_with("rug ")).expect("the ROOM's only texture");
+    let elevations: Vec<f64> = line.rsplit("  ").next().unwrap().split(", ").map(|t| t.parse().unwrap()).collect();
+    assert!(elevations.len() == 3 && elevations.iter().all(|t| *t > 1.2 && *t < 10.0), "{line}");
+    let maps: Vec<_> = std::fs::read_dir(desk.path("maps")).unwrap().map(|f| f.unwrap().path()).collect();
+    let [map] = &maps[..] else { panic!("{maps:?}") };
+    // The texture on the left, its map on the right: neither is of one colour.
+    let picture = image::open(map).unwrap().to_luma8();
+    for half in [0, picture.width() / 2] {
+        let values: Vec<u8> = (0..picture.width() / 2).map(|x| picture.get_pixel(half + x, picture.height() / 3).0[0]).collect();
+        assert!(values.iter().max().unwrap() - values.iter().min().unwrap() > 20, "{half}: {values:?}");
+    }
+    // A scene without textures has none.
+    desk.done("check cornell.ron --masking none");
+    assert_eq!(std::fs::read_dir(desk.path("none")).unwrap().count(), 0);
+}
+
+#[test]
+fn what_cameras_see_of_a_repair_ends_right() {
+    let desk = Desk::new();
+    desk.moves(&["Move(object: \"short box\", to: (1.5, 0.45, 0.0))"]);
+    desk.done("replay cornell.ron --photons 20000 --script m.ron --out seen --views --orders ledger,stateless --quiet");
+    let csv = desk.read("seen/views.csv");
+    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let ways: std::collections::BTreeSet<[&str; 2]> = rows.iter().map(|row| [row[2], row[3]]).collect();
+    assert!(ways.iter().any(|way| way[0] == "ledger") && ways.iter().any(|way| way[0] == "stateless"), "{ways:?}");
+    for way in ways {
+        let of_way: Vec<_> = rows.iter().filter(|row| [row[2], row[3]] == way).collect();
+        let number = |row: &[&str], column: usize| row[column].parse::<f64>().unwrap();
+        let (first, last) = (of_way[0], of_way[of_way.len() - 1]);
+        assert_eq!([4, 6, 8].map(|column| number(first, column) > 0.0), [false, true, true], "{way:?}: {first:?}");
+        assert_eq!([6, 7, 8].map(|column| number(last, column)), [0.0; 3], "{way:?}: exact light differs in nothing");
+    }
+}
