@@ -1,10 +1,10 @@
 //! Hard numerical cases: what is right by a closed form or by invariance, and what was measured.
 //!
 //! One file per group, each of which makes the rows of its table in `docs/hard-cases.md`. To add a case, return one more [`table::Row`] from a
-//! group, and write the document anew (`table.rs` says how). A bug that a case finds gets a test of its own name beside what it was in.
+//! group, and write the document anew (`table.rs` says how). A bug that a case finds gets a test of its own name in `regressions.rs`.
 
 mod accumulation;
-// The comparison of tests/shadows; its own tables are not printed here.
+// The comparison of tests/shadows, compiled here as a module of its own: what only its tables need is not called.
 #[allow(dead_code)]
 #[path = "../shadows/compare.rs"]
 mod compare;

@@ -47,9 +47,9 @@ pub struct Gather<'w> {
 /// One side of an element.
 type Side = (usize, u32, usize);
 
-/// What rays brought: light, and how much of which element side was in it.
+/// What rays gathered: light, and how much of which element side was in it.
 #[derive(Default)]
-struct Brought {
+struct Gathered {
     light: DVec3,
     /// With the share of its illuminance.
     from: Vec<(Side, f64)>,
@@ -64,7 +64,7 @@ impl Gather<'_> {
         // Even and odd batches: independent of each other.
         let mut halves = [Vec::new(), Vec::new()];
         for batch in 0..batches {
-            let Brought { light, from } = self.batch(place, Random::new("gather", [number as u64, batch.into()]));
+            let Gathered { light, from } = self.batch(place, Random::new("gather", [number as u64, batch.into()]));
             sum += light;
             square += luminance(light).powi(2);
             halves[(batch % 2) as usize].extend(from);
@@ -78,21 +78,21 @@ impl Gather<'_> {
     }
 
     /// The mean of one ray through every stratum.
-    fn batch(&self, place: &Place, mut random: Random) -> Brought {
-        let mut brought = Brought::default();
+    fn batch(&self, place: &Place, mut random: Random) -> Gathered {
+        let mut gathered = Gathered::default();
         let strata = f64::from(STRATA);
         let part = 1.0 / (strata * strata);
         for row in 0..STRATA {
             for column in 0..STRATA {
                 let u = (f64::from(row) + random.unit()) / strata;
                 let v = (f64::from(column) + random.unit()) / strata;
-                self.path(place, [u, v], part, &mut random, &mut brought);
+                self.path(place, [u, v], part, &mut random, &mut gathered);
             }
         }
-        brought
+        gathered
     }
 
-    fn path(&self, place: &Place, [mut u, mut v]: [f64; 2], part: f64, random: &mut Random, brought: &mut Brought) {
+    fn path(&self, place: &Place, [mut u, mut v]: [f64; 2], part: f64, random: &mut Random, gathered: &mut Gathered) {
         let step = f64::from(self.world.reach().step_back());
         let (mut from, mut normal, mut throughput) = (place.point, place.normal, DVec3::splat(part));
         for surfaces in 1.. {
@@ -107,18 +107,18 @@ impl Gather<'_> {
             if normal.dot(ray.direction.as_dvec3()) > 0.0 {
                 normal = -normal;
             }
-            brought.light += throughput * direct(self.world, from, normal);
+            gathered.light += throughput * direct(self.world, from, normal);
             let lattice = &self.world.object(hit.triangle.object()).lattice;
             let width = (2.0 * lattice.area_in(hit.triangle.in_mesh())).sqrt();
             if f64::from(hit.distance) >= width || surfaces == NEAR {
-                return self.indirect(&ray, hit, throughput, brought);
+                return self.indirect(&ray, hit, throughput, gathered);
             }
             [u, v] = [random.unit(), random.unit()];
         }
     }
 
     /// Adds the photons' light at a hit: that of all surfaces that lie in one another there.
-    fn indirect(&self, ray: &Ray, hit: Hit, throughput: DVec3, brought: &mut Brought) {
+    fn indirect(&self, ray: &Ray, hit: Hit, throughput: DVec3, gathered: &mut Gathered) {
         let mut seen: Vec<Side> = Vec::new();
         for hit in self.world.layers(ray, hit) {
             let (object, cell) = (hit.triangle.object(), cell(self.world, &hit));
@@ -129,8 +129,8 @@ impl Gather<'_> {
             }
             seen.push((object, cell, side));
             let light = self.light.cell(object, cell, side).value;
-            brought.light += throughput * light;
-            brought.from.push(((object, cell, side), luminance(throughput * light) / luminance(light).max(f64::MIN_POSITIVE)));
+            gathered.light += throughput * light;
+            gathered.from.push(((object, cell, side), luminance(throughput * light) / luminance(light).max(f64::MIN_POSITIVE)));
         }
     }
 
