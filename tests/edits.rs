@@ -24,7 +24,7 @@ use proptest::{
 use std::sync::Arc;
 
 fn drain(solution: &mut Solution, groups: usize) {
-    (0..groups).map_while(|_| solution.repair_next()).for_each(drop);
+    (0..groups).map_while(|_| solution.repair_next().unwrap()).for_each(drop);
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn edit(configuration: &Configuration, step: &Step) -> Edit {
 
 /// Repairs at most `groups` groups; which ones, in order.
 fn repair(solution: &mut Solution, groups: usize) -> Vec<GroupId> {
-    (0..groups).map_while(|_| solution.repair_next().map(|r| r.group)).collect()
+    (0..groups).map_while(|_| solution.repair_next().unwrap().map(|r| r.group)).collect()
 }
 
 fn assert_equal(solution: &Solution, fresh: &Solution) {

@@ -32,7 +32,7 @@ fn ledger(pool: Pool, world: &Arc<World>) -> LedgerSolution {
 
 /// Repairs what the next so many steps repair.
 fn drain(ledger: &mut LedgerSolution, steps: usize) -> HashSet<u64> {
-    (0..steps).map_while(|_| ledger.repair_next()).flat_map(|mended| mended.photons).map(|photon| photon.0).collect()
+    (0..steps).map_while(|_| ledger.repair_next().unwrap()).flat_map(|mended| mended.photons).map(|photon| photon.0).collect()
 }
 
 fn fresh(pool: Pool, configuration: &Configuration) -> Solution {
@@ -134,7 +134,7 @@ fn mixed_edits_drain_to_the_stateless_and_to_a_fresh_solution() {
                 }
                 while !ledger.scan(1000) {}
                 drain(&mut ledger, usize::MAX);
-                while stateless.repair_next().is_some() {}
+                while stateless.repair_next().unwrap().is_some() {}
                 let photons = ledger.photons();
                 prop_assert!(stateless.grow(photons - stateless.pool().photons()).is_some());
                 let solution = ledger.to_solution().unwrap();
@@ -149,7 +149,7 @@ fn mixed_edits_drain_to_the_stateless_and_to_a_fresh_solution() {
                 prop_assert_eq!(stateless.grow(1).is_some(), stateless.stale_groups() == 0);
                 while !ledger.scan(1000) {}
                 drain(&mut ledger, usize::MAX);
-                while stateless.repair_next().is_some() {}
+                while stateless.repair_next().unwrap().is_some() {}
                 let back = ledger.to_solution().unwrap();
                 prop_assert!(back.equals(&shoot(self::pool(photons), &home, FirstHits::AsLampsSay)), "undoing leaves a trace");
                 let more = stateless.pool().photons();
@@ -189,7 +189,7 @@ fn several_edits_before_a_repair_cost_one_trace_and_going_home_costs_none() {
             ledger.change(Arc::new(ledger.world().moved_to(&configuration))).unwrap();
             ledger.scan(usize::MAX);
         }
-        rays.push(std::iter::from_fn(|| ledger.repair_next()).map(|mended| mended.work.rays).sum::<u64>());
+        rays.push(std::iter::from_fn(|| ledger.repair_next().unwrap()).map(|mended| mended.work.rays).sum::<u64>());
         ledger.change(world(&scene)).unwrap();
         ledger.scan(usize::MAX);
         drain(&mut ledger, usize::MAX);
@@ -202,7 +202,7 @@ fn several_edits_before_a_repair_cost_one_trace_and_going_home_costs_none() {
     assert!(ledger.outstanding_photons() > 0);
     ledger.change(world(&scene)).unwrap();
     ledger.scan(usize::MAX);
-    let rays: u64 = std::iter::from_fn(|| ledger.repair_next()).map(|mended| mended.work.rays).sum();
+    let rays: u64 = std::iter::from_fn(|| ledger.repair_next().unwrap()).map(|mended| mended.work.rays).sum();
     assert!(rays == 0 && ledger.is_exact());
 }
 

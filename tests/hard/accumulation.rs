@@ -26,7 +26,7 @@ fn room() -> Arc<Scene> {
 fn deposit(n: u64) -> Deposit {
     let to = Address { object: 0, cell: (n % 12) as u32, side: 0, lamp: 0 };
     let energy = [n % (LARGEST + 1), LARGEST, (n * 7919) % 1021].map(|e| e as u32);
-    Deposit { to, negative: false, energy }
+    Deposit { to, energy }
 }
 
 /// The exact sums of the first `n` deposits: in whole periods of each channel, and what is left one by one.
@@ -49,11 +49,11 @@ fn add(buckets: &mut Buckets, numbers: impl Iterator<Item = u64>) {
     for n in numbers {
         batch.push(deposit(n));
         if batch.len() == 1000 {
-            buckets.add(&batch);
+            buckets.add(&batch).unwrap();
             batch.clear();
         }
     }
-    buckets.add(&batch);
+    buckets.add(&batch).unwrap();
 }
 
 pub fn rows() -> Vec<Row> {
@@ -82,7 +82,7 @@ pub fn rows() -> Vec<Row> {
             })
             .collect();
         let mut sum = Buckets::new(&configuration);
-        parts.iter().rev().for_each(|part| sum.merge(part));
+        parts.iter().rev().for_each(|part| sum.merge(part).unwrap());
         rows.push(Row::exactly(
             &case,
             &format!("sums {order}"),
@@ -112,7 +112,7 @@ fn capacity(configuration: &Configuration) -> Vec<Row> {
     let at = deposit(0).to;
     let before = MOST_DEPOSITS * LARGEST as i64;
     one.set(at, Bucket { energy: [before; 3], hits: MOST_DEPOSITS });
-    one.add(&[Deposit { to: at, negative: false, energy: [LARGEST as u32; 3] }]);
+    one.add(&[Deposit { to: at, energy: [LARGEST as u32; 3] }]).unwrap();
     let after = one.get(0, 0, 0).map_or(0, |page| page[0].energy[0]);
     let refused =
         Pool::new(MOST_DEPOSITS as u64 + 1, 288, 16, Scrambling::Seed(1)).err().map_or("none".into(), |e| e.to_string());
@@ -163,9 +163,9 @@ fn residue(scene: &Arc<Scene>) -> Row {
     let solution = shoot(pool(20_000), &world(scene), FirstHits::Always);
     let mut buckets = solution.buckets().clone();
     let deposits: Vec<Deposit> = (0..1_000_000).map(deposit).collect();
-    let back: Vec<Deposit> = deposits.iter().rev().map(|d| Deposit { negative: true, ..*d }).collect();
-    buckets.add(&deposits);
-    buckets.add(&back);
+    let back: Vec<Deposit> = deposits.iter().rev().copied().collect();
+    buckets.add(&deposits).unwrap();
+    buckets.take_back(&back);
     let left: DVec3 = buckets
         .lit()
         .zip(solution.buckets().lit())

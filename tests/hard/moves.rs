@@ -31,16 +31,16 @@ impl Both {
 
     /// Repairs a part: so many groups, and chunks.
     fn repair(&mut self, steps: usize) {
-        (0..steps).map_while(|_| self.groups.repair_next()).for_each(drop);
+        (0..steps).map_while(|_| self.groups.repair_next().unwrap()).for_each(drop);
         self.ledger.scan(steps);
-        (0..steps / 8).map_while(|_| self.ledger.repair_next()).for_each(drop);
+        (0..steps / 8).map_while(|_| self.ledger.repair_next().unwrap()).for_each(drop);
     }
 
     /// Repairs all; which of the two ways differ from a fresh solution.
     fn differ(&mut self, configuration: &Configuration) -> usize {
-        while self.groups.repair_next().is_some() {}
+        while self.groups.repair_next().unwrap().is_some() {}
         while !self.ledger.scan(usize::MAX) {}
-        while self.ledger.repair_next().is_some() {}
+        while self.ledger.repair_next().unwrap().is_some() {}
         let fresh = shoot(pool(PHOTONS), &Arc::new(World::new(configuration, TreePreset::Fast)), FirstHits::AsLampsSay);
         usize::from(!self.groups.equals(&fresh)) + usize::from(!self.ledger.to_solution().unwrap().equals(&fresh))
     }

@@ -180,7 +180,7 @@ fn groups() -> Vec<Row> {
         let pool = Pool::new(photons, groups, ratio, Scrambling::Seed(5)).unwrap().in_copies(copies).unwrap();
         let mut solution = shoot(pool, &world(&scene), FirstHits::AsLampsSay);
         solution.change(Arc::new(solution.world().moved_to(&moved)));
-        while solution.repair_next().is_some() {}
+        while solution.repair_next().unwrap().is_some() {}
         let fresh = shoot(pool, &Arc::new(World::new(&moved, TreePreset::Fast)), FirstHits::AsLampsSay);
         let differ = usize::from(!solution.equals(&fresh)) + usize::from(sound::not_finite(&solution) > 0);
         rows.push(Row::exactly(

@@ -1,5 +1,6 @@
 //! Why the program ends without success, and with which status.
 
+use lightmend_photon::bucket::Full;
 use lightmend_scene::SceneError;
 use std::fmt;
 
@@ -48,6 +49,13 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line.replace('\n', " "))
+    }
+}
+
+/// Photons were asked for whose light cannot be counted.
+impl From<Full> for Failure {
+    fn from(full: Full) -> Failure {
+        Failure::input(full)
     }
 }
 

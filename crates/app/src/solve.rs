@@ -8,6 +8,7 @@ use crate::{
 };
 use lightmend_photon::{
     body::TreePreset,
+    bucket::Full,
     irradiance::Scale,
     path::FirstHits,
     pool::Pool,
@@ -154,7 +155,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
     }
-    if progress::interrupted() { Err(Failure::failed(format!("interrupted; {photons} photons were kept"))) } else { Ok(()) }
+    if progress::interrupted() {
+        return Err(Failure::failed(format!("interrupted; {photons} photons were kept")));
+    }
+    if solution.is_full() && photons < pool.photons() {
+        return Err(Failure::from(Full).with(&format!("{photons} were kept")));
+    }
+    Ok(())
 }
 
 fn median_error(shapes: &Shapes, solution: &Solution) -> f64 {

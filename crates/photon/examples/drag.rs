@@ -130,7 +130,7 @@ fn poses(scene: &Arc<Scene>, moves: &Moves, pool: Pool) -> Fallible<(Vec<[f32; 3
         for (after, edit) in timed.edit.steps(&configuration)? {
             configuration = configuration.apply(&edit)?;
             ledger.change(Arc::new(ledger.world().moved_to(&configuration)))?;
-            while ledger.repair_next().is_some() {}
+            while ledger.repair_next()?.is_some() {}
             let visible = Visible::new(ledger.world(), view);
             let drained = values(&visible, ledger.buckets(), ledger.world());
             steps.push(Step { at: timed.at + after, configuration: configuration.clone(), visible, drained });

@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}: {} elements, {} threads", scene.name, scene.cells(), rayon::current_num_threads());
 
     let pool = |photons| Pool::new(photons, 288, 16, Scrambling::Seed(1)).and_then(|pool| pool.in_copies(COPIES));
-    let reference = Reference::shoot(&world, &pool(4_000_000)?, reference_photons, FirstHits::Never, &mut |_| true);
+    let reference = Reference::shoot(&world, &pool(4_000_000)?, reference_photons, FirstHits::Never, &mut |_| true)?;
     let reference = reference.ok_or("no reference")?;
     println!("reference: {} photons of other scrambles, its own nRMSE {:.4}", reference.photons, reference.own.nrmse);
 
@@ -63,7 +63,7 @@ fn spread(world: &Arc<World>, reference: &Field, pool: &Pool) {
                 for point in (class..photons / u64::from(COPIES)).step_by(288) {
                     trace(&rules, world, PhotonIndex(point * u64::from(COPIES) + copy), &mut outcome);
                 }
-                buckets.add(&outcome.deposits);
+                buckets.add(&outcome.deposits).unwrap();
             }
             let scale = Scale::new(world, photons / u64::from(COPIES));
             Field::raw(world, &buckets, &scale)

@@ -62,7 +62,7 @@ fn shoot(pool: Pool, world: &Arc<World>) -> Fallible<(Solution, u64)> {
 /// Repairs all that is marked: work and replayed hits.
 fn drain(ledger: &mut LedgerSolution) -> (Work, u64) {
     let (mut work, mut replayed) = (Work::default(), 0);
-    while let Some(mended) = ledger.repair_next() {
+    while let Some(mended) = ledger.repair_next().unwrap() {
         work += mended.work;
         replayed += mended.replayed;
     }

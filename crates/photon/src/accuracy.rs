@@ -4,7 +4,7 @@
 //! taken out of the means of squares: errors of independent photons add in squares.
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, Full},
     field::{Field, Side},
     halton::Scrambling,
     irradiance::Scale,
@@ -119,14 +119,14 @@ pub struct Reference {
 
 impl Reference {
     /// Shoots `photons` in two halves, scrambled otherwise than `pool` and each other, in as many copies. `progress` hears of the
-    /// photons so far and may end the work by returning `false`: `None`.
+    /// photons so far and may end the work by returning `false`: `None`. Refused if they bring more light than can be counted.
     pub fn shoot(
         world: &Arc<World>,
         pool: &Pool,
         photons: u64,
         first_hits: FirstHits,
         progress: &mut dyn FnMut(u64) -> bool,
-    ) -> Option<Reference> {
+    ) -> Result<Option<Reference>, Full> {
         let seed = if let Scrambling::Seed(seed) = pool.scrambling { seed } else { 0 };
         let half = photons.div_ceil(2);
         let mut shoot = |seed, before| {
@@ -135,22 +135,23 @@ impl Reference {
             let rules = Rules { sequence: pool.sequence(), first_hits };
             let mut shooting = Shooting::new(Arc::new(rules), world.clone());
             while shooting.photons() < half {
-                shooting.shoot((half - shooting.photons()).min(Shooting::SLAB));
+                shooting.shoot(half - shooting.photons())?;
                 if !progress(before + shooting.photons()) {
-                    return None;
+                    return Ok(None);
                 }
             }
-            Some(shooting)
+            Ok(Some(shooting))
         };
-        let (a, b) = (shoot(seed.wrapping_add(101), 0)?, shoot(seed.wrapping_add(202), half)?);
+        let Some(a) = shoot(seed.wrapping_add(101), 0)? else { return Ok(None) };
+        let Some(b) = shoot(seed.wrapping_add(202), half)? else { return Ok(None) };
         let scale = Scale::new(world, half);
         let [first, second] = [&a, &b].map(|half| Field::raw(world, half.buckets(), &scale));
         let field = first.mean(&second);
         let off = field.off_by_half(&first, &second);
         let own = Measures::new(&off, &field);
         let mut buckets = a.buckets().clone();
-        buckets.merge(b.buckets());
-        Some(Reference { field, off, own, buckets, photons: 2 * half })
+        buckets.merge(b.buckets())?;
+        Ok(Some(Reference { field, off, own, buckets, photons: 2 * half }))
     }
 
     /// How far a field is from the truth: the reference's own error is taken out of nRMSE and relMSE; quantiles keep it.

@@ -3,9 +3,9 @@
 //! Integers add and subtract exactly in any order: the order of threads, edits or photons never changes a bit. A page of buckets
 //! exists only where light has arrived, so the inside of furniture costs nothing.
 //!
-//! Headroom: a deposit is at most 2²⁴ per channel, so 2³⁹ − 1 of them fit a sum of 63 bits wherever they go: 55 times 10¹⁰. No slab of photons is
-//! shot once there are [`MOST_DEPOSITS`], half of that; a slab adds at most 2³³ ([`crate::shooting::Shooting::is_full`]). An edit that more than doubles
-//! the light of such a pool in one element ends in a panic that says so, never in wrong light.
+//! No sum can overflow: a deposit is at most 2²⁴ per channel, so [`CAPACITY`] = 2³⁹ − 1 of them fit 63 bits wherever they land: 55 times 10¹⁰. Whatever
+//! would make them more is refused whole before anything of it is added ([`Full`]). No slab of photons is shot once there are
+//! [`MOST_DEPOSITS`], half of that; a slab adds at most 2³³ ([`crate::shooting::Shooting::shoot`]). The other half is for edits that brighten the scene.
 
 use glam::Vec3;
 use lightmend_scene::Configuration;
@@ -20,6 +20,16 @@ pub const ENERGY_BITS: u32 = 24;
 /// Deposits from which on no more photons are shot, so that no bucket can overflow.
 pub const MOST_DEPOSITS: i64 = 1 << 38;
 
+/// Deposits that fit wherever they land: ⌊(2⁶³ − 1) / 2²⁴⌋.
+pub const CAPACITY: i64 = i64::MAX >> ENERGY_BITS;
+
+/// More light than can be counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there is no room for more light: mesh elements count {MOST_DEPOSITS} photon hits, and twice as many after edits; shoot fewer photons"
+)]
+pub struct Full;
+
 /// Where a deposit goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address {
@@ -33,13 +43,11 @@ pub struct Address {
     pub lamp: u16,
 }
 
-/// A photon's energy at one hit, added or taken away.
+/// A photon's energy at one hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Deposit {
     /// Where.
     pub to: Address,
-    /// Whether it is taken away.
-    pub negative: bool,
     /// Per linear Rec. 709 channel, in units of 2⁻²⁴ of a photon.
     pub energy: [u32; 3],
 }
@@ -90,17 +98,30 @@ impl Buckets {
         self.pages.iter_mut().for_each(|pages| pages.resize(pages.len().max(2 * lamps), None));
     }
 
-    /// Adds or takes away deposits.
-    pub fn add(&mut self, deposits: &[Deposit]) {
+    /// Whether so many deposits more fit, whatever they bring and wherever they land.
+    pub fn admit(&self, more: i64) -> Result<(), Full> {
+        if self.deposits.saturating_add(more) > CAPACITY { Err(Full) } else { Ok(()) }
+    }
+
+    /// Adds deposits; none of them if they do not fit.
+    pub fn add(&mut self, deposits: &[Deposit]) -> Result<(), Full> {
+        self.admit(deposits.len() as i64)?;
+        self.count(deposits, 1);
+        Ok(())
+    }
+
+    /// Takes away deposits that were added before.
+    pub fn take_back(&mut self, deposits: &[Deposit]) {
+        self.count(deposits, -1);
+    }
+
+    fn count(&mut self, deposits: &[Deposit], sign: i64) {
         for deposit in deposits {
             let bucket = &mut self.page(deposit.to)[deposit.to.cell as usize];
-            let sign = if deposit.negative { -1 } else { 1 };
-            for (sum, energy) in bucket.energy.iter_mut().zip(deposit.energy) {
-                *sum = sum.checked_add(sign * i64::from(energy)).expect("a mesh element holds more light than can be counted");
-            }
+            bucket.energy.iter_mut().zip(deposit.energy).for_each(|(sum, energy)| *sum += sign * i64::from(energy));
             bucket.hits += sign;
-            self.deposits += sign;
         }
+        self.deposits += sign * deposits.len() as i64;
     }
 
     /// Deposits that all buckets hold together.
@@ -108,14 +129,16 @@ impl Buckets {
         self.deposits
     }
 
-    /// Adds the light of another pool in the same scene.
-    pub fn merge(&mut self, other: &Buckets) {
+    /// Adds the light of another pool in the same scene; nothing if it does not fit.
+    pub fn merge(&mut self, other: &Buckets) -> Result<(), Full> {
+        self.admit(other.deposits)?;
         for (at, more) in other.lit() {
             let bucket = &mut self.page(at)[at.cell as usize];
             bucket.energy.iter_mut().zip(more.energy).for_each(|(sum, energy)| *sum += energy);
             bucket.hits += more.hits;
         }
         self.deposits += other.deposits;
+        Ok(())
     }
 
     /// Sets one bucket.

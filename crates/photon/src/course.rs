@@ -139,15 +139,15 @@ impl Course {
         }
     }
 
-    /// The next step; `None` if the light is exact. Refused if a ledger that is being recorded has no room for more.
+    /// The next step; `None` if the light is exact. Refused if there is no room for more light, or for more records in a ledger.
     pub fn step(&mut self) -> Result<Option<Step>, Refused> {
         let step = match &mut self.way {
             Way::Ledger(ledger) => {
-                let Some(mended) = ledger.repair_next() else { return Ok(None) };
+                let Some(mended) = ledger.repair_next()? else { return Ok(None) };
                 Step { work: mended.work, replayed: mended.replayed, photons: mended.photons }
             }
             Way::Groups(solution) => {
-                let Some(repaired) = solution.repair_next() else { return Ok(None) };
+                let Some(repaired) = solution.repair_next()? else { return Ok(None) };
                 Step { work: repaired.work, replayed: 0, photons: solution.pool().photons_of(repaired.group).collect() }
             }
             Way::Photons { solution, photons, block } => {
@@ -156,12 +156,12 @@ impl Course {
                 if next.is_empty() {
                     return Ok(None);
                 }
-                Step { work: solution.repair_photons(next), replayed: 0, photons: next.to_vec() }
+                Step { work: solution.repair_photons(next)?, replayed: 0, photons: next.to_vec() }
             }
             Way::Shooting { pool, shooting } => {
                 let Work { photons, rays } = shooting.work;
                 let Some(slab) = slab(photons, pool.photons()) else { return Ok(None) };
-                shooting.shoot(slab);
+                shooting.shoot(slab)?;
                 let shot = shooting.photons();
                 let work = Work { photons: shot - photons, rays: shooting.work.rays - rays };
                 Step { work, replayed: 0, photons: (photons..shot).map(PhotonIndex).collect() }

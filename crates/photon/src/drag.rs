@@ -57,7 +57,7 @@ enum Worker {
 }
 
 impl Play<'_> {
-    /// Plays until the light is that of `end`, or for `limit` frames. `None` if `progress` returns `false` or the ledger refuses a step.
+    /// Plays until the light is that of `end`, or for `limit` frames. `None` if `progress` returns `false` or a step is refused.
     pub fn run(&self, order: Order<'_>, limit: usize, progress: &mut dyn FnMut(usize) -> bool) -> Option<Vec<Frame>> {
         let scale = Scale::new(self.start.world(), self.start.pool().photons());
         let error = |light: &Buckets| self.visible.error(light, self.end.buckets(), &scale);
@@ -116,8 +116,8 @@ impl Worker {
         }
     }
 
-    /// Works towards `world` until `until` rays were traced in all; whether the light shown is then that of `world`. `None` if the ledger
-    /// refuses.
+    /// Works towards `world` until `until` rays were traced in all; whether the light shown is then that of `world`. `None` if a step
+    /// is refused.
     fn work(&mut self, start: &Solution, world: &Arc<World>, until: u64) -> Option<bool> {
         Some(match self {
             Worker::Ledger { solution, importance, rays } => {
@@ -128,7 +128,7 @@ impl Worker {
                     solution.look(importance);
                 }
                 while *rays < until {
-                    let Some(mended) = solution.repair_next() else { break };
+                    let Some(mended) = solution.repair_next().ok()? else { break };
                     *rays += mended.work.rays;
                 }
                 solution.is_exact()
@@ -140,10 +140,10 @@ impl Worker {
                 if *random {
                     while *rays < until {
                         let Some(group) = random_stale(solution, *rays) else { return Some(true) };
-                        *rays += solution.repair(group).work.rays;
+                        *rays += solution.repair(group).ok()?.work.rays;
                     }
                 } else {
-                    *rays += solution.repair_round(until.saturating_sub(*rays)).rays;
+                    *rays += solution.repair_round(until.saturating_sub(*rays)).ok()?.rays;
                 }
                 solution.stale_groups() == 0
             }
@@ -154,7 +154,7 @@ impl Worker {
                     }
                     let current = shooting.get_or_insert_with(|| Box::new(Shooting::new(start.rules().clone(), world.clone())));
                     let before = current.work.rays;
-                    current.shoot((start.pool().photons() - current.photons()).min(Shooting::SLAB / 8));
+                    current.shoot((start.pool().photons() - current.photons()).min(Shooting::SLAB / 8)).ok()?;
                     *rays += current.work.rays - before;
                     if current.photons() == start.pool().photons() {
                         (*shown, *shown_world) = (current.buckets().clone(), current.world().clone());

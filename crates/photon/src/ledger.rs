@@ -20,13 +20,13 @@ mod surfaces;
 mod swarm;
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, Full},
     hash::shuffle,
     importance::Importance,
     path::{Brought, FirstHits, Rules},
     pool::Pool,
-    record::{Outcome, Tally},
-    shooting::{CLASSES, Shooting, Work, in_class},
+    record::{Outcome, Tally, book},
+    shooting::{CLASSES, Shooting, Work, has_room, in_class},
     solution::Solution,
     wave::trace_apart,
     world::World,
@@ -61,6 +61,9 @@ pub enum Refused {
     /// More mesh elements than numbers.
     #[error("the scene has too many mesh elements for a ledger")]
     Elements,
+    /// More light than can be counted.
+    #[error(transparent)]
+    Full(#[from] Full),
     /// The caller ended the work.
     #[error("stopped while the ledger was begun")]
     Stopped,
@@ -154,8 +157,9 @@ impl LedgerSolution {
         Ok(solution)
     }
 
-    /// Whether the records of so many photons are likely to fit.
+    /// Whether more photons may be shot, and the records of so many in all are likely to fit.
     pub fn admits(&self, photons: u64) -> Result<(), Refused> {
+        has_room(&self.buckets, self.photons())?;
         let needed = (self.bytes as f64 * photons as f64 / self.photons().max(1) as f64) as u64;
         if needed > self.limit { Err(Refused::Memory { photons, needed, limit: self.limit }) } else { Ok(()) }
     }
@@ -196,8 +200,8 @@ impl LedgerSolution {
         self.growing.extend(shot);
         if self.growing.len() as u64 == CLASSES {
             let number = self.chunks.len() as u32;
-            for (outcome, held) in std::mem::take(&mut self.growing) {
-                outcome.add_to(&mut self.buckets, &mut self.tallies);
+            book(self.growing.iter().map(|(outcome, _)| outcome), &mut self.buckets, &mut self.tallies)?;
+            for (_, held) in std::mem::take(&mut self.growing) {
                 if held.right_in != newest {
                     self.unscanned += 1;
                     self.outstanding += held.photons();

@@ -59,6 +59,7 @@ mod split;
 mod stack;
 mod tree;
 pub mod triangle;
+mod urgency;
 pub mod visible;
 pub mod wave;
 pub mod world;

@@ -106,6 +106,11 @@ impl Pool {
         (photons >= self.all_pilots() << self.shift).then_some(Pool { photons: photons.min(self.photons), ..self })
     }
 
+    /// As many groups and copies and the same share of pilots with another number of photons.
+    pub fn resized(self, photons: u64) -> Result<Pool, PoolError> {
+        Pool::new(photons, self.groups, self.ratio, self.scrambling)?.in_copies(self.copies())
+    }
+
     /// The same pilots with more corrective photons, `photons` in all.
     pub fn grown(self, photons: u64) -> Pool {
         Pool { photons: photons.clamp(self.photons, INDEX_LIMIT), ..self }

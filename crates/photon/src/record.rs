@@ -1,7 +1,7 @@
 //! What is kept of paths while photons follow them: light for the buckets and how they ended, what a camera may see, or all of it, to compare.
 
 use crate::{
-    bucket::{Address, Buckets, Deposit, energy},
+    bucket::{Address, Buckets, Deposit, Full, energy},
     importance::Gaze,
     path::{End, Record, cell},
     triangle::Hit,
@@ -118,13 +118,7 @@ impl Outcome {
     /// Adds a deposit.
     #[inline(always)]
     pub(crate) fn deposit(&mut self, to: Address, throughput: Vec3) {
-        self.deposits.push(Deposit { to, negative: self.negative, energy: energy(throughput) });
-    }
-
-    /// Adds all of it to what there is.
-    pub(crate) fn add_to(&self, buckets: &mut Buckets, tallies: &mut [Tally]) {
-        buckets.add(&self.deposits);
-        tallies.iter_mut().zip(&self.tallies).for_each(|(sum, tally)| sum.add(tally));
+        self.deposits.push(Deposit { to, energy: energy(throughput) });
     }
 
     /// Nothing again.
@@ -134,6 +128,24 @@ impl Outcome {
         self.tallies.resize(lamps, Tally::default());
         self.rays = 0;
     }
+}
+
+/// Takes back what is to be taken back and adds the rest: all of it, or nothing if it does not fit.
+pub(crate) fn book<'o>(
+    outcomes: impl Iterator<Item = &'o Outcome> + Clone,
+    buckets: &mut Buckets,
+    tallies: &mut [Tally],
+) -> Result<(), Full> {
+    let count = |outcome: &Outcome| if outcome.negative { -1 } else { 1 } * outcome.deposits.len() as i64;
+    buckets.admit(outcomes.clone().map(count).sum())?;
+    outcomes.clone().filter(|outcome| outcome.negative).for_each(|outcome| buckets.take_back(&outcome.deposits));
+    for outcome in outcomes.clone().filter(|outcome| !outcome.negative) {
+        buckets.add(&outcome.deposits)?;
+    }
+    for outcome in outcomes {
+        tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
+    }
+    Ok(())
 }
 
 impl Record for Outcome {

@@ -5,7 +5,7 @@
 //! Dimming and switching lamps leaves a file valid: they are read-out only.
 
 use crate::{
-    bucket::{Address, Bucket, Buckets},
+    bucket::{Address, Bucket, Buckets, ENERGY_BITS},
     halton::Scrambling,
     path::FirstHits,
     record::Tally,
@@ -142,7 +142,11 @@ impl Saved {
             let [side] = input.take()?;
             let energy = [input.number()? as i64, input.number()? as i64, input.number()? as i64];
             let bucket = Bucket { energy, hits: input.number()? as i64 };
-            if side > 1 || cell >= configuration.object(object).lattice.cells() {
+            // Each hit brings at most a whole photon: what was shot always fits.
+            let counted = bucket.hits >= 0
+                && buckets.admit(bucket.hits).is_ok()
+                && bucket.energy.iter().all(|energy| (0..=bucket.hits << ENERGY_BITS).contains(energy));
+            if side > 1 || cell >= configuration.object(object).lattice.cells() || !counted {
                 return Err(SavedError::Damaged);
             }
             buckets.set(Address { object: object as u32, cell, side, lamp: lamp as u16 }, bucket);

@@ -1,10 +1,10 @@
 //! Shooting a pool for the first time, slab by slab and class by class.
 
 use crate::{
-    bucket::{Buckets, MOST_DEPOSITS},
+    bucket::{Buckets, Full, MOST_DEPOSITS},
     path::Rules,
     pool::PhotonIndex,
-    record::{Outcome, Tally},
+    record::{Outcome, Tally, book},
     wave::trace_each,
     world::World,
 };
@@ -68,16 +68,11 @@ impl Shooting {
         self.work.photons
     }
 
-    /// How many photons to shoot between two looks at the clock.
+    /// How many photons to shoot at most between two looks at the clock.
     pub const SLAB: u64 = CLASSES * 256;
 
     /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
     pub const LEAST: u64 = CLASSES;
-
-    /// Whether a further slab could make a bucket or a tally overflow.
-    pub fn is_full(&self) -> bool {
-        is_full(&self.buckets, self.work.photons)
-    }
 
     /// What is shot at.
     pub fn world(&self) -> &Arc<World> {
@@ -96,23 +91,24 @@ impl Shooting {
         self.world = world;
     }
 
-    /// Shoots the next `count` photons.
-    pub fn shoot(&mut self, count: u64) {
+    /// Shoots the next `count` photons, [`SLAB`](Self::SLAB) at most; none once the buckets hold what they can count of a first shooting.
+    pub fn shoot(&mut self, count: u64) -> Result<(), Full> {
+        has_room(&self.buckets, self.work.photons)?;
         let first = self.work.photons;
+        let count = count.min(Shooting::SLAB);
         let indices = first..first + count;
         if self.tallies.is_empty() {
             self.work.photons += count;
-            return;
+            return Ok(());
         }
         let mut spare = std::mem::take(&mut self.spare);
         spare.0.resize_with(CLASSES as usize, || Outcome::new(0, false));
         spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| self.trace_class(indices.clone(), class as u64, outcome));
-        for outcome in &spare.0 {
-            outcome.add_to(&mut self.buckets, &mut self.tallies);
-            self.work.rays += outcome.rays;
-        }
+        book(spare.0.iter(), &mut self.buckets, &mut self.tallies)?;
+        self.work.rays += spare.0.iter().map(|outcome| outcome.rays).sum::<u64>();
         self.spare = spare;
         self.work.photons += count;
+        Ok(())
     }
 
     fn trace_class(&self, indices: Range<u64>, class: u64, outcome: &mut Outcome) {
@@ -126,9 +122,9 @@ impl Shooting {
     }
 }
 
-/// Whether a further slab could make a bucket or a tally overflow.
-pub(crate) fn is_full(buckets: &Buckets, photons: u64) -> bool {
-    buckets.deposits() >= MOST_DEPOSITS || photons >= MOST_DEPOSITS as u64
+/// Whether a further slab of photons may be shot.
+pub(crate) fn has_room(buckets: &Buckets, photons: u64) -> Result<(), Full> {
+    if buckets.deposits() >= MOST_DEPOSITS || photons >= MOST_DEPOSITS as u64 { Err(Full) } else { Ok(()) }
 }
 
 /// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one

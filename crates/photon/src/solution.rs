@@ -10,15 +10,16 @@
 //! a lamp shines at.
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, Full},
     first_segment::FirstSegments,
     hash::shuffle,
     importance::Gaze,
     path::{FirstHits, Rules, Touched, trace_both},
     pool::{GroupId, PhotonIndex, Pool},
-    record::{Outcome, Tally, Watch},
+    record::{Outcome, Tally, Watch, book},
     saved::Saved,
-    shooting::{Shooting, Work, is_full},
+    shooting::{Shooting, Work, has_room},
+    urgency::{Key, Urgency},
     world::{Difference, World},
 };
 use rayon::prelude::*;
@@ -52,6 +53,8 @@ pub struct Solution {
     /// Of each group, the pilots that resemble it and met what changed.
     priority: Vec<u32>,
     view: Visibility,
+    /// V·P of the stale groups, as it now is.
+    urgency: Urgency,
     /// All groups in a fixed pseudo-random order, and where in it the last one was repaired.
     shuffled: Arc<[GroupId]>,
     turn: usize,
@@ -75,9 +78,12 @@ const PILOT: u64 = 16;
 const PILOTS_FOR_VISIBILITY: u64 = 8;
 
 impl Visibility {
-    fn importance(&self, group: GroupId) -> u64 {
-        let robust = self.gaze.is_some() && self.pilots >= PILOTS_FOR_VISIBILITY * self.hits.len() as u64;
-        if robust { self.hits[group.0 as usize] } else { 1 }
+    fn is_robust(&self) -> bool {
+        self.gaze.is_some() && self.pilots >= PILOTS_FOR_VISIBILITY * self.hits.len() as u64
+    }
+
+    fn importance(&self, group: usize) -> u64 {
+        if self.is_robust() { self.hits[group] } else { 1 }
     }
 }
 
@@ -98,8 +104,9 @@ pub struct Repaired {
 }
 
 impl Solution {
-    /// Shoots a whole pool, or as much of it as the buckets can count ([`Shooting::is_full`]). `progress` hears of the photons shot so far and of the rays of the last slab, and may end the work by
-    /// returning `false`; what was shot until then is then the whole pool, smaller. `None` if that is less than the groups need.
+    /// Shoots a whole pool, or as much of it as the buckets can count ([`is_full`](Self::is_full)). `progress` hears of the photons shot so far
+    /// and of the rays of the last slab, and may end the work by returning `false`; what was shot until then is then the whole pool, smaller.
+    /// `None` if that is less than the groups need.
     pub fn shoot(
         pool: Pool,
         world: Arc<World>,
@@ -140,25 +147,26 @@ impl Solution {
         let (buckets, tallies) = (std::mem::take(&mut self.buckets), std::mem::take(&mut self.tallies));
         let before = Work { photons: self.pool.photons(), rays: 0 };
         let mut shooting = Shooting::of(self.rules.clone(), self.world.clone(), buckets, tallies, before);
-        while shooting.photons() < before.photons + count && !shooting.is_full() {
-            shooting.shoot((before.photons + count - shooting.photons()).min(Shooting::SLAB));
+        while shooting.photons() < before.photons + count {
+            if shooting.shoot(before.photons + count - shooting.photons()).is_err() {
+                break;
+            }
         }
         self.pool = self.pool.grown(shooting.photons());
         (self.buckets, self.tallies) = (shooting.buckets, shooting.tallies);
         Some(Work { photons: shooting.work.photons - before.photons, rays: shooting.work.rays })
     }
 
-    /// Whether the buckets can count more photons.
-    pub(crate) fn has_room(&self) -> bool {
-        !is_full(&self.buckets, self.pool.photons())
+    /// Whether no more photons can be shot, however many were asked for: the buckets hold what they can count.
+    pub fn is_full(&self) -> bool {
+        has_room(&self.buckets, self.pool.photons()).is_err()
     }
 
     fn finish(pool: Pool, mut shooting: Shooting, progress: &mut dyn FnMut(u64, u64) -> bool) -> Option<Solution> {
-        while shooting.photons() < pool.photons() && !shooting.is_full() {
-            let left = pool.photons() - shooting.photons();
+        while shooting.photons() < pool.photons() {
             let rays = shooting.work.rays;
-            shooting.shoot(left.min(Shooting::SLAB));
-            if !progress(shooting.photons(), shooting.work.rays - rays) {
+            let shot = shooting.shoot(pool.photons() - shooting.photons());
+            if shot.is_err() || !progress(shooting.photons(), shooting.work.rays - rays) {
                 break;
             }
         }
@@ -183,6 +191,7 @@ impl Solution {
             past_of: vec![0; groups],
             priority: vec![0; groups],
             view: Visibility { hits: vec![0; groups], ..Visibility::default() },
+            urgency: Urgency::new((0..groups).map(|_| None)),
             shuffled: shuffled.into(),
             turn: 0,
         })
@@ -235,6 +244,7 @@ impl Solution {
                 past.reaching = segments.reaching(&past.world, &past.changed).into();
             }
         }
+        self.rank_all();
     }
 
     /// Drops worlds that no group was shot at any more.
@@ -263,7 +273,21 @@ impl Solution {
     pub fn look(&mut self, gaze: Option<Gaze>) {
         if self.view.gaze != gaze {
             self.view = Visibility { gaze, hits: vec![0; self.priority.len()], pilots: 0 };
+            self.rank_all();
         }
+    }
+
+    /// V·P of a group, then P; `None` if it is not stale.
+    fn key(&self, group: usize) -> Key {
+        let past = &self.pasts[self.past_of[group] as usize];
+        (!past.changed.is_empty()).then(|| {
+            let p = PILOT * u64::from(self.priority[group]) + u64::from(past.reaching[group]);
+            (self.view.importance(group) * p, p)
+        })
+    }
+
+    fn rank_all(&mut self) {
+        self.urgency = Urgency::new((0..self.past_of.len()).map(|group| self.key(group)));
     }
 
     /// Groups that hold phantoms.
@@ -283,56 +307,55 @@ impl Solution {
 
     /// The stale group of highest priority V·P; among equals that of higher P, then the first.
     pub fn most_urgent(&self) -> Option<GroupId> {
-        let priority = |g: &GroupId| {
-            let group = g.0 as usize;
-            let reaching = self.pasts[self.past_of[group] as usize].reaching[group];
-            let p = PILOT * u64::from(self.priority[group]) + u64::from(reaching);
-            (self.view.importance(*g) * p, p)
-        };
-        self.stale().reduce(|best, g| if priority(&g) > priority(&best) { g } else { best })
+        self.urgency.first()
     }
 
     /// Brings the most urgent stale group up to date. `None` if none is stale. Which group comes next depends on state alone.
-    pub fn repair_next(&mut self) -> Option<Repaired> {
-        self.most_urgent().map(|group| self.repair(group))
+    pub fn repair_next(&mut self) -> Result<Option<Repaired>, Full> {
+        self.most_urgent().map(|group| self.repair(group)).transpose()
     }
 
     /// Brings the next stale group of a fixed pseudo-random order up to date, going round: under edits that keep coming every group
     /// has its turn equally often. `None` if none is stale.
-    pub fn repair_shuffled(&mut self) -> Option<Repaired> {
+    pub fn repair_shuffled(&mut self) -> Result<Option<Repaired>, Full> {
         let groups = self.shuffled.len();
         let mut turns = (self.turn..self.turn + groups).map(|turn| turn % groups);
-        let turn = turns.find(|turn| self.is_stale(self.shuffled[*turn].0 as usize))?;
+        let Some(turn) = turns.find(|turn| self.is_stale(self.shuffled[*turn].0 as usize)) else { return Ok(None) };
         self.turn = turn + 1;
-        Some(self.repair(self.shuffled[turn]))
+        self.repair(self.shuffled[turn]).map(Some)
     }
 
     /// A round of headless work: repairs groups until `rays` were traced or nothing is stale. It ends with the group that reaches them,
     /// so that what a row of rounds does depends on state alone.
-    pub fn repair_round(&mut self, rays: u64) -> Work {
+    pub fn repair_round(&mut self, rays: u64) -> Result<Work, Full> {
         let mut work = Work::default();
         while work.rays < rays {
-            let Some(repaired) = self.repair_next() else { break };
+            let Some(repaired) = self.repair_next()? else { break };
             work += repaired.work;
         }
-        work
+        Ok(work)
     }
 
-    /// Brings one group up to date.
-    pub fn repair(&mut self, group: GroupId) -> Repaired {
+    /// Brings one group up to date; nothing changes if the light that it would bring does not fit.
+    pub fn repair(&mut self, group: GroupId) -> Result<Repaired, Full> {
         let past = self.pasts[self.past_of[group.0 as usize] as usize].clone();
         let photons: Vec<PhotonIndex> = self.pool.photons_of(group).collect();
-        let (work, findings) = self.reshoot(&past.world, &past.changed, &photons);
+        let (work, findings) = self.reshoot(&past.world, &past.changed, &photons)?;
+        let robust = self.view.is_robust();
         self.view.pilots += self.pool.pilots_per_group();
+        if robust != self.view.is_robust() {
+            self.rank_all();
+        }
         for Finding { photon, touched, seen } in findings {
             if self.pool.is_pilot(photon) {
                 let resembled = self.pool.resembled(photon);
                 self.view.hits[resembled.0 as usize] += seen;
                 self.raise(resembled, touched, &past.world);
+                self.urgency.set(resembled, self.key(resembled.0 as usize));
             }
         }
         self.settle(group);
-        Repaired { group, work }
+        Ok(Repaired { group, work })
     }
 
     /// A pilot that resembles the photons of `group` met something that changed: Δp = 1 if that group is stale on its account.
@@ -351,8 +374,8 @@ impl Solution {
     }
 
     /// `group` is up to date.
-    fn settle(&mut self, group: GroupId) {
-        let group = group.0 as usize;
+    fn settle(&mut self, id: GroupId) {
+        let group = id.0 as usize;
         self.pasts[self.past_of[group] as usize].groups -= 1;
         let current = self.pasts.iter().position(|past| Arc::ptr_eq(&past.world, &self.world)).unwrap_or_else(|| {
             self.pasts.push(Past {
@@ -366,13 +389,14 @@ impl Solution {
         self.pasts[current].groups += 1;
         self.past_of[group] = current as u32;
         self.priority[group] = 0;
+        self.urgency.set(id, None);
     }
 
     /// Re-shoots photons from `before` to the current world; returns those that touched what changed, and pilots that the camera may see.
-    fn reshoot(&mut self, before: &World, changed: &Difference, photons: &[PhotonIndex]) -> (Work, Vec<Finding>) {
+    fn reshoot(&mut self, before: &World, changed: &Difference, photons: &[PhotonIndex]) -> Result<(Work, Vec<Finding>), Full> {
         let lamps = self.tallies.len();
         if lamps == 0 {
-            return (Work::default(), Vec::new());
+            return Ok(Default::default());
         }
         let phantoms = before.phantoms(&changed.phantoms);
         let tasks: Vec<_> = photons
@@ -396,24 +420,21 @@ impl Solution {
                 (old, new, rays, findings)
             })
             .collect();
+        book(tasks.iter().flat_map(|(old, new, ..)| [old, new]), &mut self.buckets, &mut self.tallies)?;
         let mut work = Work { photons: photons.len() as u64, rays: 0 };
         let mut findings = Vec::new();
         for (old, new, rays, found) in tasks {
-            for outcome in [old, new] {
-                outcome.add_to(&mut self.buckets, &mut self.tallies);
-                work.rays += outcome.rays;
-            }
-            work.rays += rays;
+            work.rays += old.rays + new.rays + rays;
             findings.extend(found);
         }
-        (work, findings)
+        Ok((work, findings))
     }
 
     /// Repairs photons in any other order than Algorithm 1's: for comparisons. All groups must have been shot at one earlier world,
     /// and after the last call [`settle_all`](Self::settle_all) says that every relevant photon was among them.
-    pub fn repair_photons(&mut self, photons: &[PhotonIndex]) -> Work {
+    pub fn repair_photons(&mut self, photons: &[PhotonIndex]) -> Result<Work, Full> {
         let past = self.pasts[self.past_of[0] as usize].clone();
-        self.reshoot(&past.world, &past.changed, photons).0
+        Ok(self.reshoot(&past.world, &past.changed, photons)?.0)
     }
 
     /// Declares all groups up to date.

@@ -205,7 +205,7 @@ fn play(
             solution.look(Some(Gaze::Frustum(Frustum::new(&view, up, f64::from(width) / f64::from(height)))));
             // Group by group, so that Ctrl-C need not wait for a long round.
             while rays + unused < due && solution.stale_groups() > 0 && !progress::interrupted() {
-                rays += solution.repair_round(1).rays;
+                rays += solution.repair_round(1)?.rays;
             }
         }
         if solution.stale_groups() == 0 {

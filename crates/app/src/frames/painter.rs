@@ -129,7 +129,7 @@ impl<'a> Painter<'a> {
         let indirect = match self.arguments.show {
             Show::Elements => Vec::new(),
             Show::Stale => {
-                self.drain(solution);
+                self.drain(solution)?;
                 let right = self.drained.as_ref().map_or(solution.buckets(), |drained| drained.buckets());
                 self.light.outstanding(configuration, (solution.buckets(), &scale), (right, &scale), configuration.lamp_slots())
             }
@@ -183,13 +183,14 @@ impl<'a> Painter<'a> {
     }
 
     /// Brings a copy of the solution to its end, unless that was done already for this configuration.
-    fn drain(&mut self, solution: &Solution) {
+    fn drain(&mut self, solution: &Solution) -> Result<(), Failure> {
         let known = self.drained.as_ref().is_some_and(|d| Arc::ptr_eq(d.world(), solution.world()));
         if !known {
             let mut drained = solution.clone();
-            while drained.repair_next().is_some() {}
+            while drained.repair_next()?.is_some() {}
             self.drained = Some(drained);
         }
+        Ok(())
     }
 
     /// Ends the film and writes the contact sheet and the summary of what was drawn, even if that was not all.

@@ -68,7 +68,7 @@ impl<'a> Judge<'a> {
             !progress::interrupted()
         });
         bar.finish_and_clear();
-        let Some(reference) = reference else { return Ok(None) };
+        let Some(reference) = reference? else { return Ok(None) };
         let view = job.scene.cameras.first().map(|(_, view)| *view);
         let visible = view.map(|view| {
             let visible = Visible::new(world, &view);

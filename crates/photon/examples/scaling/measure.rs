@@ -8,7 +8,7 @@ use crate::{
 };
 use lightmend_photon::{
     body::TreePreset,
-    bucket::{Address, Bucket, Buckets},
+    bucket::{Address, Bucket, Buckets, Full},
     halton::Scrambling,
     ledger::LedgerSolution,
     path::FirstHits,
@@ -111,12 +111,13 @@ fn edit(ledger: &mut LedgerSolution, configurations: &[Configuration; 2], rounds
         scanning.run(|| ledger.scan(usize::MAX));
         let marked = asking.run(|| (ledger.is_exact(), ledger.outstanding_photons())).1;
         let mut work = Work::default();
-        stepping.run(|| ledger.repair_next().iter().for_each(|mended| work += mended.work));
+        stepping.run(|| ledger.repair_next().map(|next| next.iter().for_each(|mended| work += mended.work)))?;
         repairing.run(|| {
-            while let Some(mended) = ledger.repair_next() {
+            while let Some(mended) = ledger.repair_next()? {
                 work += mended.work;
             }
-        });
+            Ok::<(), Full>(())
+        })?;
         marks.push(marked as f64);
         rays.push(work.rays as f64);
         parted.push(work.photons as f64);

@@ -8,8 +8,9 @@ use super::{
     scan::Marks,
 };
 use crate::{
+    bucket::Full,
     pool::PhotonIndex,
-    record::Outcome,
+    record::{Outcome, book},
     shooting::{CLASSES, Work, in_class},
     wave::follow_apart,
 };
@@ -55,8 +56,8 @@ struct Room {
 impl LedgerSolution {
     /// Repairs the next chunks that hold marked photons: those that [`look`](Self::look) put first, then all in a fixed pseudo-random
     /// order that goes round. A chunk that was not scanned since the last edit is scanned first: without any scan before, this goes through
-    /// the whole pool once. `None` if nothing is outstanding.
-    pub fn repair_next(&mut self) -> Option<Mended> {
+    /// the whole pool once. `None` if nothing is outstanding. What is outstanding stays so if the light that it would bring does not fit.
+    pub fn repair_next(&mut self) -> Result<Option<Mended>, Full> {
         let next = self.next_chunks();
         let lamps = self.tallies.len();
         let nothing = || Repair {
@@ -73,11 +74,9 @@ impl LedgerSolution {
             repair
         };
         let repairs: Vec<Repair> = next.par_iter().fold(nothing, add).collect();
+        book(repairs.iter().flat_map(|repair| [&repair.old, &repair.new]), &mut self.buckets, &mut self.tallies)?;
         let mut mended = Mended::default();
         for repair in repairs {
-            for outcome in [&repair.old, &repair.new] {
-                outcome.add_to(&mut self.buckets, &mut self.tallies);
-            }
             mended.work += Work { photons: repair.parted, rays: repair.new.rays };
             mended.replayed += repair.replayed;
             mended.photons.extend(repair.photons);
@@ -93,7 +92,7 @@ impl LedgerSolution {
             self.outstanding -= u64::from(held.marks());
             held.marked.clear();
         }
-        (!next.is_empty()).then_some(mended)
+        Ok((!next.is_empty()).then_some(mended))
     }
 
     /// Chunks with marked photons, all of them scanned.

@@ -1,11 +1,11 @@
 //! The light that the solver works on: with a ledger, or the stateless way, which first shoots a pool and then knows its groups.
 
 use crate::{
-    bucket::Buckets,
+    bucket::{Buckets, Full},
     ledger::{LedgerSolution, Refused},
     path::Rules,
     pool::Pool,
-    shooting::{CLASSES, Shooting, Work},
+    shooting::{CLASSES, Shooting, Work, has_room},
     solution::Solution,
     world::World,
 };
@@ -24,7 +24,10 @@ pub enum Light {
 /// What became of shooting more photons.
 pub enum Grown {
     By(Work),
+    /// The ledger refuses.
     Refused(Refused),
+    /// No light has room.
+    Full,
 }
 
 impl Light {
@@ -83,8 +86,8 @@ impl Light {
     pub fn has_room(&self) -> bool {
         match self {
             Light::Ledger(ledger) => ledger.admits(ledger.photons() + Shooting::SLAB).is_ok(),
-            Light::Shooting { shooting, .. } => !shooting.is_full(),
-            Light::Groups(solution) => solution.has_room(),
+            Light::Shooting { shooting, .. } => has_room(shooting.buckets(), shooting.photons()).is_ok(),
+            Light::Groups(solution) => !solution.is_full(),
         }
     }
 
@@ -115,13 +118,18 @@ impl Light {
             }
             Light::Shooting { shooting, .. } => {
                 let before = shooting.work;
-                shooting.shoot(count.min(goal - shooting.photons()));
+                if let Err(Full) = shooting.shoot(count.min(goal - shooting.photons())) {
+                    return Grown::Full;
+                }
                 let rays = shooting.work.rays - before.rays;
                 Grown::By(Work { photons: shooting.photons() - before.photons, rays })
             }
             Light::Groups(solution) => {
                 let more = count.min(goal.saturating_sub(solution.pool().photons()));
-                Grown::By(solution.grow(more).unwrap_or_default())
+                match solution.grow(more).unwrap_or_default() {
+                    Work { photons: 0, .. } if solution.is_full() => Grown::Full,
+                    work => Grown::By(work),
+                }
             }
         }
     }

@@ -245,6 +245,10 @@ impl Worker<'_> {
         match self.light.shoot_more(self.slab, goal) {
             Grown::By(work) => self.work += work,
             Grown::Refused(refused) => return self.go_without_ledger(refused),
+            // What there is is the whole pool from now on; so many hits are more than any groups need.
+            Grown::Full => {
+                self.settings.pool = self.settings.pool.resized(self.light.photons()).unwrap_or(self.settings.pool);
+            }
         }
         // What does not fit is foreseen.
         if let Light::Ledger(ledger) = &self.light
@@ -271,9 +275,9 @@ impl Worker<'_> {
                 Order::Urgent => true,
             };
             let work = match &mut self.light {
-                Light::Shooting { .. } => None,
-                Light::Groups(solution) if visible_first => solution.repair_next().map(|repaired| repaired.work),
-                Light::Groups(solution) => solution.repair_shuffled().map(|repaired| repaired.work),
+                Light::Shooting { .. } => Ok(None),
+                Light::Groups(solution) if visible_first => solution.repair_next().map(|next| next.map(|repaired| repaired.work)),
+                Light::Groups(solution) => solution.repair_shuffled().map(|next| next.map(|repaired| repaired.work)),
                 Light::Ledger(ledger) => {
                     if visible_first && !ledger.scan(SCAN) {
                         continue;
@@ -284,10 +288,20 @@ impl Worker<'_> {
                         ledger.look(&Visible::new(&self.world, &view).importance(&self.world, |_| 1.0));
                         self.looked = Some((view, Instant::now()));
                     }
-                    ledger.repair_next().map(|mended| mended.work)
+                    ledger.repair_next().map(|next| next.map(|mended| mended.work))
                 }
             };
-            let Some(work) = work else { break };
+            let work = match work {
+                Ok(Some(work)) => work,
+                Ok(None) => break,
+                // Brighter than so many photons can be counted in: shot anew, as many as can be.
+                Err(full) => {
+                    self.refused = Some(full.into());
+                    self.light = Light::shoot(&self.rules, &self.world);
+                    (self.published, self.goal) = (0, self.settings.pool.photons());
+                    return;
+                }
+            };
             self.work += work;
             if let Light::Ledger(ledger) = &self.light
                 && ledger.is_too_large()

@@ -1,15 +1,8 @@
 //! The light that is taken back by the record is the light that was left.
 
 use super::*;
-use crate::{
-    body::TreePreset, bucket::Deposit, halton::Scrambling, path::FirstHits, pool::Pool, record::Tally, wave::trace_apart,
-};
+use crate::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, record::Tally, wave::trace_apart};
 use lightmend_scene::{Configuration, Scene};
-
-/// What a hit left, and that it is taken back.
-fn taken_back(deposits: &[Deposit]) -> Vec<Deposit> {
-    deposits.iter().map(|deposit| Deposit { negative: true, ..*deposit }).collect()
-}
 
 #[test]
 fn old_light_from_the_record_is_that_which_was_left() {
@@ -51,11 +44,7 @@ fn old_light_from_the_record_is_that_which_was_left() {
                     let mut old = Outcome::new(lamps, true);
                     replayed += passage.take_back(brought, || photon, path, from, &mut old);
                     hits += path.len() - from;
-                    assert_eq!(
-                        old.deposits,
-                        taken_back(&left.deposits[before.deposits.len()..]),
-                        "{name}, {index:?} from {from}"
-                    );
+                    assert_eq!(old.deposits, left.deposits[before.deposits.len()..], "{name}, {index:?} from {from}");
                     let mut tally = left.tallies[usize::from(lamp)];
                     tally.add(&old.tallies[usize::from(lamp)]);
                     assert_eq!(tally, Tally::default(), "{name}, {index:?} from {from}");
