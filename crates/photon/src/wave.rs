@@ -61,25 +61,24 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             photons.extend(photon.map(|photon| (number as u32, photon)));
         }
         let (mut met, mut going) = (Vec::with_capacity(photons.len()), Vec::with_capacity(photons.len()));
+        let mut survivors = Vec::with_capacity(photons.len());
         while !photons.is_empty() {
             for (number, photon) in &photons {
                 log.of(*number).ray();
                 met.push(world.nearest_in(lanes, photon.ray(), stack));
             }
-            let mut survivors = Vec::with_capacity(photons.len());
-            for ((number, photon), met) in photons.iter().zip(&met) {
+            for (place, ((number, photon), met)) in photons.iter().zip(&met).enumerate() {
                 if met.is_none() {
                     log.missed(*number, photon.ray());
                 }
-                if let (Some(survivor), Some(hit)) = (photon.land(rules, world, met, &mut log.of(*number)), met) {
-                    survivors.push((*number, photon, hit, survivor));
-                }
+                survivors.extend(photon.land(rules, world, met, &mut log.of(*number)).map(|survivor| (place, survivor)));
             }
-            going.clear();
-            for (number, photon, hit, survivor) in &survivors {
-                going.push((*number, photon.leave(rules, world, hit, *survivor)));
+            for (place, survivor) in survivors.drain(..) {
+                let ((number, photon), hit) = (&photons[place], &met[place]);
+                going.extend(hit.as_ref().map(|hit| (*number, photon.leave(rules, world, hit, survivor))));
             }
             met.clear();
+            photons.clear();
             std::mem::swap(&mut photons, &mut going);
         }
     }

@@ -79,6 +79,16 @@ impl Chunk {
         })
     }
 
+    /// Puts the path of a rank into `path`; its lamp.
+    pub fn path(&self, rank: usize, path: &mut Vec<Entry>) -> u16 {
+        path.clear();
+        let levels = self.levels().take_while(|level| rank < level.elements.len());
+        path.extend(
+            levels.map(|Level { places, elements }| Entry { place: places.map(|axis| axis[rank]), element: elements[rank] }),
+        );
+        self.lamps[rank.min(self.lamps.len() - 1)]
+    }
+
     /// Entries of all paths.
     pub fn entries(&self) -> usize {
         self.elements.len()
@@ -161,18 +171,6 @@ impl Loose {
         }
     }
 
-    /// Puts the path of a photon into `path`; its lamp.
-    pub fn get(&self, photon: u8, path: &mut Vec<Entry>) -> u16 {
-        let rank = usize::from(self.rank_of[usize::from(photon)]);
-        path.clear();
-        let levels = self.rows.iter().zip(&self.reaching).take_while(|(_, reaching)| rank < **reaching);
-        path.extend(levels.map(|(Row(places, elements), _)| Entry {
-            place: [places[0][rank], places[1][rank], places[2][rank]],
-            element: elements[rank],
-        }));
-        self.lamps[rank]
-    }
-
     /// Replaces the path of a photon.
     pub fn set(&mut self, photon: u8, lamp: u16, path: &[Entry]) {
         let mut rank = usize::from(self.rank_of[usize::from(photon)]);
@@ -239,10 +237,11 @@ mod tests {
         (if seed % 1000 < 256 { 2 } else { seed as u16 }, (0..length).map(entry).collect())
     }
 
-    fn check(loose: &Loose, expected: &[(u16, Vec<Entry>)]) {
-        for (photon, (lamp, path)) in expected.iter().enumerate() {
-            let mut found = Vec::new();
-            assert_eq!(loose.get(photon as u8, &mut found), *lamp);
+    fn check(chunk: &Chunk, expected: &[(u16, Vec<Entry>)]) {
+        let mut found = Vec::new();
+        for (rank, photon) in chunk.order().iter().enumerate() {
+            let (lamp, path) = &expected[usize::from(*photon)];
+            assert_eq!(chunk.path(rank, &mut found), *lamp);
             assert_eq!(found, *path);
         }
     }
@@ -256,8 +255,8 @@ mod tests {
             (0..photons).for_each(|photon| loose.set(photon as u8, paths[photon as usize].0, &paths[photon as usize].1));
             let mut chunk = loose.store();
             for round in 0..20 {
+                check(&chunk, &paths);
                 loose.load(&chunk);
-                check(&loose, &paths);
                 let hits = paths.iter().map(|(_, path)| path.len()).sum::<usize>();
                 assert_eq!(chunk.levels().map(|level| level.elements.len()).sum::<usize>(), chunk.entries());
                 assert_eq!(chunk.entries(), hits, "no room is left");

@@ -2,7 +2,7 @@
 
 use super::{
     LedgerSolution,
-    chunk::{Chunk, Entry, Loose, PHOTONS},
+    chunk::{Chunk, Entry, Loose},
     held::{Held, Past},
     replay::{Clerk, Drafts, Passage, Recorder},
     scan::Marks,
@@ -33,16 +33,17 @@ const STEP: u32 = 1024;
 /// Chunks that were not scanned yet in one step, at most.
 const SWEEP: u32 = 64;
 
+/// Marked photons from which on chunks are repaired together: their new paths are traced side by side ([`crate::wave`]), and those of one
+/// chunk are few after a small edit.
+const TOGETHER: u32 = 256;
+
 /// What repairing some chunks brings.
 struct Repair {
     old: Outcome,
     new: Outcome,
-    parted: u64,
-    replayed: u64,
-    photons: Vec<PhotonIndex>,
+    mended: Mended,
     /// New records of chunks in which a path changed.
     chunks: Vec<(usize, Chunk)>,
-    room: Room,
 }
 
 /// Room that is used again and again.
@@ -51,6 +52,7 @@ struct Room {
     loose: Loose,
     recorded: Vec<Entry>,
     drafts: Drafts,
+    members: Vec<PhotonIndex>,
 }
 
 impl LedgerSolution {
@@ -59,27 +61,14 @@ impl LedgerSolution {
     /// the whole pool once. `None` if nothing is outstanding. What is outstanding stays so if the light that it would bring does not fit.
     pub fn repair_next(&mut self) -> Result<Option<Mended>, Full> {
         let next = self.next_chunks();
-        let lamps = self.tallies.len();
-        let nothing = || Repair {
-            old: Outcome::new(lamps, true),
-            new: Outcome::new(lamps, false),
-            parted: 0,
-            replayed: 0,
-            photons: Vec::new(),
-            chunks: Vec::new(),
-            room: Room::default(),
-        };
-        let add = |mut repair: Repair, number: &usize| {
-            self.repair_chunk(*number, &mut repair);
-            repair
-        };
-        let repairs: Vec<Repair> = next.par_iter().fold(nothing, add).collect();
+        let repair = |room: &mut Room, chunks: &&[usize]| self.repair_chunks(chunks, room);
+        let repairs: Vec<Repair> = self.parts(&next).par_iter().map_init(Room::default, repair).collect();
         book(repairs.iter().flat_map(|repair| [&repair.old, &repair.new]), &mut self.buckets, &mut self.tallies)?;
         let mut mended = Mended::default();
         for repair in repairs {
-            mended.work += Work { photons: repair.parted, rays: repair.new.rays };
-            mended.replayed += repair.replayed;
-            mended.photons.extend(repair.photons);
+            mended.work += repair.mended.work;
+            mended.replayed += repair.mended.replayed;
+            mended.photons.extend(repair.mended.photons);
             for (number, chunk) in repair.chunks {
                 let held = &mut self.chunks[number];
                 self.bytes -= held.bytes();
@@ -150,52 +139,74 @@ impl LedgerSolution {
         next
     }
 
-    fn repair_chunk(&self, number: usize, repair: &mut Repair) {
-        let held = &self.chunks[number];
-        let mut passages = Vec::new();
-        let mut passage_of = [u8::MAX; PHOTONS];
-        for (past, marks) in &held.marked {
-            for rank in marks.ranks() {
-                passage_of[usize::from(held.chunk.order()[rank])] = passages.len() as u8;
+    /// Parts of `chunks` that hold [`TOGETHER`] marked photons or a little more; the last one what is left.
+    fn parts<'c>(&self, chunks: &'c [usize]) -> Vec<&'c [usize]> {
+        let (mut parts, mut begin, mut marks) = (Vec::new(), 0, 0);
+        for (n, number) in chunks.iter().enumerate() {
+            marks += self.chunks[*number].marks();
+            if marks >= TOGETHER || n + 1 == chunks.len() {
+                parts.push(&chunks[begin..=n]);
+                (begin, marks) = (n + 1, 0);
             }
-            let Past { world, surfaces, since } = &self.pasts[past];
-            passages.push(Passage {
-                rules: &self.rules,
-                before: world,
-                surfaces,
-                after: &self.world,
-                changed: &since.changed,
-                moved_out: &since.moved_out,
-                moved_in: &since.moved_in,
-                recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
-            });
         }
-        let Repair { old, new, parted, replayed, photons, chunks, room: Room { loose, recorded, drafts } } = repair;
-        loose.load(&held.chunk);
-        drafts.clear(held.chunk.order().len());
-        let (mut changed, mut onward) = (Vec::new(), Vec::new());
-        for (photon, index) in self.members(number).enumerate() {
-            if let Some(passage) = passages.get(usize::from(passage_of[photon])) {
-                let lamp = loose.get(photon as u8, recorded);
-                let mending = passage.repair(index, lamp, recorded, old, new, &mut drafts.paths[photon]);
-                if mending.parts {
-                    drafts.lamps[photon] = mending.lamp;
-                    changed.push(photon);
+        parts
+    }
+
+    fn repair_chunks(&self, numbers: &[usize], room: &mut Room) -> Repair {
+        let Room { loose, recorded, drafts, members } = room;
+        let lamps = self.tallies.len();
+        let (mut old, mut new, mut mended) = (Outcome::new(lamps, true), Outcome::new(lamps, false), Mended::default());
+        let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
+        drafts.clear(numbers.iter().map(|number| self.chunks[*number].marks() as usize).sum());
+        // Of every chunk, the photons whose paths part, with the numbers of their drafts.
+        let mut parted: Vec<(usize, Vec<(u8, usize)>)> = Vec::new();
+        let (mut onward, mut draft) = (Vec::new(), 0);
+        for number in numbers {
+            let held = &self.chunks[*number];
+            members.clear();
+            members.extend(self.members(*number));
+            let mut of_chunk = Vec::new();
+            for (past, marks) in &held.marked {
+                let Past { world, surfaces, since } = &self.pasts[past];
+                let passage = Passage {
+                    rules: &self.rules,
+                    before: world,
+                    surfaces,
+                    after: &self.world,
+                    changed: &since.changed,
+                    moved_out: &since.moved_out,
+                    moved_in: &since.moved_in,
+                    recorder,
+                };
+                for rank in marks.ranks() {
+                    let photon = held.chunk.order()[rank];
+                    let index = members[usize::from(photon)];
+                    let lamp = held.chunk.path(rank, recorded);
+                    let mending = passage.repair(index, lamp, recorded, &mut old, &mut new, &mut drafts.paths[draft]);
+                    if mending.parts {
+                        drafts.lamps[draft] = mending.lamp;
+                        of_chunk.push((photon, draft));
+                    }
+                    onward.extend(mending.onward.map(|going| (draft as u32, going)));
+                    mended.replayed += mending.replayed;
+                    mended.photons.push(index);
+                    draft += 1;
                 }
-                onward.extend(mending.onward.map(|going| (photon as u32, going)));
-                *replayed += mending.replayed;
-                photons.push(index);
             }
+            mended.work.photons += of_chunk.len() as u64;
+            parted.push((*number, of_chunk));
         }
-        if !changed.is_empty() {
-            let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
-            follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: new });
-            for photon in &changed {
-                loose.set(*photon as u8, drafts.lamps[*photon], &drafts.paths[*photon]);
+        follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: &mut new });
+        mended.work.rays = new.rays;
+        let rewrite = |(number, photons): &(usize, Vec<(u8, usize)>)| {
+            loose.load(&self.chunks[*number].chunk);
+            for (photon, draft) in photons {
+                loose.set(*photon, drafts.lamps[*draft], &drafts.paths[*draft]);
             }
-            *parted += changed.len() as u64;
-            chunks.push((number, loose.store()));
-        }
+            (*number, loose.store())
+        };
+        let chunks = parted.iter().filter(|(_, photons)| !photons.is_empty()).map(rewrite).collect();
+        Repair { old, new, mended, chunks }
     }
 
     /// The photons of a chunk.
