@@ -9,7 +9,7 @@ use lightmend_photon::{
     pool::Pool,
     probe::{Place, locate},
     reconstruction::{Reconstruction, Shapes},
-    reference::{Plan, Reference},
+    reference::{Plan, PathTracer},
     world::World,
 };
 use lightmend_scene::luminance;
@@ -78,7 +78,7 @@ fn beside_a_box_in_its_shadow_and_in_its_gap() {
         (DVec3::new(3.0, 2.0, 0.0), up),
     ];
     let places = points.map(|(point, normal)| locate(&world, point, normal).unwrap());
-    let mut reference = Reference::new(&world, points.to_vec(), Plan::of_paths(count(65_536, 1 << 20), 3));
+    let mut reference = PathTracer::new(&world, points.to_vec(), Plan::of_paths(count(65_536, 1 << 20), 3));
     reference.round(&|_| true);
     let lights = gather(&world, count(300_000, 4_000_000), 1, 8192, &places);
     for ((light, right), (point, _)) in lights.iter().zip(reference.estimates()).zip(points) {
@@ -118,7 +118,7 @@ fn the_room_agrees_with_path_tracing() {
     let places: Vec<Place> = candidates.filter_map(|(point, normal)| locate(&world, point, normal)).collect();
     assert!(places.len() > 40, "{}", places.len());
     let points = places.iter().map(|place| (place.point, place.normal)).collect();
-    let mut reference = Reference::new(&world, points, Plan::of_paths(count(8192, 262_144), 3));
+    let mut reference = PathTracer::new(&world, points, Plan::of_paths(count(8192, 262_144), 3));
     reference.round(&|_| true);
     let lights = gather(&world, count(1_152_000, 20_000_000), 1, 4096, &places);
     let pairs =

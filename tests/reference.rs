@@ -2,14 +2,14 @@
 
 use glam::{DVec2, DVec3};
 use lightmend_photon::{
-    reference::{Estimate, Plan, Reference},
+    reference::{Estimate, Plan, PathTracer},
     world::World,
 };
 use lightmend_tests::{Builder, count, sphere, world};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 fn trace(world: &World, points: &[(DVec3, DVec3)], plan: Plan) -> Vec<Estimate> {
-    let mut reference = Reference::new(world, points.to_vec(), plan);
+    let mut reference = PathTracer::new(world, points.to_vec(), plan);
     while reference.paths_ahead() > 0 {
         reference.round(&|_| true);
     }
@@ -152,7 +152,7 @@ fn what_is_finished_is_kept() {
     let (scene, points) = room();
     let world = world(&scene);
     let plan = Plan::of_paths(32 * 1024, 1);
-    let mut reference = Reference::new(&world, points.clone(), plan);
+    let mut reference = PathTracer::new(&world, points.clone(), plan);
     let told = AtomicU64::new(0);
     reference.round(&|paths| told.fetch_add(paths, Ordering::Relaxed) + paths < 40 * 1024);
     let kept: u64 = reference.estimates().iter().map(|e| u64::from(e.batches())).sum();

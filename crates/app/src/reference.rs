@@ -10,7 +10,7 @@ use crate::{
 use lightmend_photon::{
     body::TreePreset,
     probe::direct,
-    reference::{Plan, Reference},
+    reference::{Plan, PathTracer},
     world::World,
 };
 use lightmend_scene::Configuration;
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let world = World::new(&Configuration::initial(&scene), TreePreset::default());
     let places = points.locate(&world)?;
     let plan = arguments.plan();
-    let mut reference = Reference::new(&world, places.iter().map(|place| (place.point, place.normal)).collect(), plan);
+    let mut reference = PathTracer::new(&world, places.iter().map(|place| (place.point, place.normal)).collect(), plan);
     let bar = progress::bar(0, "tracing paths", common.quiet);
     while reference.paths_ahead() > 0 {
         bar.inc_length(reference.paths_ahead());

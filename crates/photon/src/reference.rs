@@ -114,7 +114,7 @@ impl Estimate {
 }
 
 /// Estimates at points, under way.
-pub struct Reference<'w> {
+pub struct PathTracer<'w> {
     world: &'w World,
     plan: Plan,
     /// Points and unit normals on the side that counts.
@@ -123,11 +123,11 @@ pub struct Reference<'w> {
     stopped: bool,
 }
 
-impl<'w> Reference<'w> {
+impl<'w> PathTracer<'w> {
     /// Nothing is traced yet. Each point, metres, has a unit normal on the side that counts and lies on a surface. A point's paths follow
     /// from the plan's seed and its place in the list.
-    pub fn new(world: &'w World, points: Vec<(DVec3, DVec3)>, plan: Plan) -> Reference<'w> {
-        Reference { world, plan, estimates: vec![Estimate::default(); points.len()], points, stopped: false }
+    pub fn new(world: &'w World, points: Vec<(DVec3, DVec3)>, plan: Plan) -> PathTracer<'w> {
+        PathTracer { world, plan, estimates: vec![Estimate::default(); points.len()], points, stopped: false }
     }
 
     /// What is known, point by point.

@@ -1,7 +1,7 @@
 //! Milliseconds per pass and frames per second, with nothing moving and with one object moving; of new indirect light; of showing the
 //! picture.
 //!
-//! `cargo run --release -p lightmend-raster --example speed -- scenes/room/room.ron [object [folder for pictures]]`
+//! `cargo run --release -p lightmend-raster --example frame_times -- scenes/room/room.ron [object [folder for pictures]]`
 //!
 //! Indirect light is even, 50 lux on every side of every element, so that all of it is read. Every frame is waited for; medians of
 //! 31 frames after 3 that are not counted.
