@@ -1,6 +1,5 @@
 //! 10. Accumulation: exact sums in any order, and no sum that can overflow.
 
-use crate::table::Row;
 use glam::DVec3;
 use lightmend_photon::{
     bucket::{Address, Bucket, Buckets, Deposit, ENERGY_BITS, MOST_DEPOSITS, energy},
@@ -12,7 +11,7 @@ use lightmend_photon::{
     solution::Solution,
 };
 use lightmend_scene::{Configuration, Scene};
-use lightmend_tests::{Builder, count, pool, shoot, world};
+use lightmend_tests::{Builder, count, pool, shoot, table::Row, world};
 use rayon::prelude::*;
 use std::sync::Arc;
 

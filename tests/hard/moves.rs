@@ -1,10 +1,9 @@
 //! 7. Moves: tiny and huge, many, half repaired, turned by whole turns, everything at once, taken back.
 
-use crate::table::Row;
 use glam::DVec3;
 use lightmend_photon::{body::TreePreset, ledger::LedgerSolution, path::FirstHits, solution::Solution, world::World};
 use lightmend_scene::{Configuration, Edit, Scene};
-use lightmend_tests::{count, own_scene, pool, shoot, world};
+use lightmend_tests::{count, own_scene, pool, shoot, table::Row, world};
 use std::sync::Arc;
 
 const PHOTONS: u64 = 10_000;

@@ -1,9 +1,6 @@
 //! 9. Sequence: indices about 2³², lamps that do not divide the interval, large and tiny groups.
 
-use crate::{
-    sound::{self, Space},
-    table::Row,
-};
+use crate::sound::{self, Space};
 use glam::DVec3;
 use lightmend_photon::{
     body::TreePreset,
@@ -16,7 +13,7 @@ use lightmend_photon::{
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Scene};
-use lightmend_tests::{Builder, count, own_scene, shoot, sphere, world};
+use lightmend_tests::{Builder, count, own_scene, shoot, sphere, table::Row, world};
 use std::sync::Arc;
 
 pub fn rows() -> Vec<Row> {
