@@ -1,18 +1,19 @@
 //! 10. Accumulation: exact sums in any order, and no sum that can overflow.
 
-use crate::table::Row;
 use glam::DVec3;
 use lightmend_photon::{
-    bucket::{Address, Bucket, Buckets, Deposit, ENERGY_BITS, MOST_DEPOSITS, energy},
+    body::TreePreset,
+    bucket::{Address, Bucket, Buckets, CAPACITY, Deposit, ENERGY_BITS, Full, MOST_DEPOSITS, energy},
     halton::Scrambling,
     path::{FirstHits, LONGEST_PATH},
     pool::Pool,
     saved::Saved,
     shooting::Shooting,
     solution::Solution,
+    world::World,
 };
-use lightmend_scene::{Configuration, Scene};
-use lightmend_tests::{Builder, count, pool, shoot, world};
+use lightmend_scene::{Configuration, Edit, Scene};
+use lightmend_tests::{Builder, count, pool, shoot, table::Row, world};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -96,6 +97,11 @@ pub fn rows() -> Vec<Row> {
     rows.push(Row::exactly(&case, "orders whose buckets differ", 0, "sums are exact", differ));
     rows.extend(capacity(&configuration));
     rows.push(full(&scene));
+    let (said, same) = refused_repair();
+    let case = "a repair that brings more than fits";
+    let refused = Full.to_string();
+    rows.push(Row::exactly(case, "what is said", refused, "refused in one line", said));
+    rows.push(Row::exactly(case, "whether the light is as before", true, "nothing of it is added", same));
     rows.push(residue(&scene));
     rows
 }
@@ -156,6 +162,32 @@ fn full(scene: &Arc<Scene>) -> Row {
         "not one is shot that might not be counted",
         measured,
     )
+}
+
+/// A repair in buckets that are full to the last: what is said, and whether the light is as it was.
+pub fn refused_repair() -> (String, bool) {
+    let builder = Builder::default().cuboid("room", 0.5, [0.0; 3], [4.0, 3.0, 2.5], true);
+    let builder = builder.cuboid("box", 0.5, [1.0, 1.0, 0.5], [2.0, 2.0, 1.0], false).lamp([1.2, 1.3, 2.1], 100.0);
+    let home = Configuration::initial(&builder.build(&[]));
+    // Of a brighter box each photon goes on that went on before, and others too: hits are only ever added.
+    let bright = home.apply(&Edit::Reflect { material: "of box".into(), to: DVec3::ONE }).unwrap();
+    let world = Arc::new(World::new(&home, TreePreset::default()));
+    let pool = pool(50_000);
+    let mut saved = shoot(pool, &world, FirstHits::Always).to_saved().unwrap();
+    let Deposit { to, .. } = deposit(0);
+    let bucket = saved.buckets.get(0, 0, 0).map_or(Bucket::default(), |page| page[to.cell as usize]);
+    let left = CAPACITY - saved.buckets.deposits();
+    saved.buckets.set(to, Bucket { hits: bucket.hits + left, ..bucket });
+    let mut solution = Solution::resume(pool, world.clone(), saved, &mut |_, _| true).unwrap();
+    solution.change(Arc::new(world.moved_to(&bright)));
+    loop {
+        let before = solution.buckets().clone();
+        match solution.repair_next() {
+            Ok(Some(_)) => {}
+            Ok(None) => return ("nothing".into(), true),
+            Err(full) => return (full.to_string(), *solution.buckets() == before),
+        }
+    }
 }
 
 /// What is added and taken away leaves nothing.

@@ -2,10 +2,10 @@
 
 use crate::{
     sound::{self, Space},
-    table::Row,
     thin::{hits, lit},
 };
 use lightmend_scene::Scene;
+use lightmend_tests::table::Row;
 use std::path::PathBuf;
 
 pub fn rows() -> Vec<Row> {

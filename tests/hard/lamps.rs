@@ -2,13 +2,12 @@
 
 use crate::{
     sound::{self, Space},
-    table::Row,
     thin::{hits, lit, room},
 };
 use glam::DVec3;
 use lightmend_photon::{irradiance::Scale, path::FirstHits, probe, solution::Solution};
 use lightmend_scene::Scene;
-use lightmend_tests::{Builder, count, pool, shoot, sphere, world};
+use lightmend_tests::{Builder, count, pool, shoot, sphere, table::Row, world};
 use std::{f64::consts::PI, sync::Arc};
 
 const BOTH: &[u8] = &[0, 1];

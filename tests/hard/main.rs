@@ -1,31 +1,23 @@
 //! Hard numerical cases: what is right by a closed form or by invariance, and what was measured.
 //!
-//! One file per group, each of which makes the rows of its table in `docs/hard-cases.md`. To add a case, return one more [`table::Row`] from a
-//! group, and write the document anew (`table.rs` says how). A bug that a case finds gets a test of its own name in `regressions.rs`.
+//! One file per group, each of which makes the rows of its table in `docs/hard-cases.md`. To add a case, return one more [`lightmend_tests::table::Row`] from a
+//! group, and write the document anew (`tests/support/table.rs` says how). A bug that a case finds gets a test of its own name in `regressions.rs`.
 
 mod accumulation;
-// The comparison of tests/shadows, compiled here as a module of its own: what only its tables need is not called.
-#[allow(dead_code)]
-#[path = "../shadows/compare.rs"]
-mod compare;
 mod files;
 mod gaps;
 mod lamps;
 mod long_paths;
 mod moves;
-#[allow(dead_code)]
-#[path = "../shadows/rays.rs"]
-mod rays;
 mod regressions;
 mod scale;
 mod sequence;
 mod sound;
-mod table;
 mod thin;
 mod triangles;
 mod views;
 
-use table::hold;
+use lightmend_tests::table::hold;
 
 #[test]
 fn long_paths() {

@@ -1,9 +1,9 @@
 //! What went wrong first, each with the name of what it was.
 
-use crate::{lamps, scale};
+use crate::{accumulation, lamps, scale};
 use glam::DVec3;
 use lightmend_photon::{
-    bucket::MOST_DEPOSITS,
+    bucket::{Full, MOST_DEPOSITS},
     halton::Scrambling,
     pool::{Pool, PoolError},
 };
@@ -14,6 +14,11 @@ fn buckets_wrapped_around_in_silence() {
     let pool = |photons| Pool::new(photons, 288, 16, Scrambling::Seed(1));
     assert!(pool(MOST_DEPOSITS as u64).is_ok());
     assert!(matches!(pool(MOST_DEPOSITS as u64 + 1), Err(PoolError::TooLarge(_))));
+}
+
+#[test]
+fn a_repair_that_brought_more_than_can_be_counted_ended_in_a_panic() {
+    assert_eq!(accumulation::refused_repair(), (Full.to_string(), true));
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! 2. Scale and offset: the ROOM in other units, and far from the origin.
 
-use crate::table::Row;
 use glam::DVec3;
 use lightmend_photon::{irradiance::Scale, path::FirstHits};
 use lightmend_scene::{
@@ -8,7 +7,7 @@ use lightmend_scene::{
     format::{SceneFile, write_ron},
     obj::write_obj,
 };
-use lightmend_tests::{count, own_scene, pool, shoot, world};
+use lightmend_tests::{count, own_scene, pool, shoot, table::Row, world};
 use std::{fs::File, io::BufWriter, sync::Arc};
 use tempfile::TempDir;
 

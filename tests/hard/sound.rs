@@ -1,20 +1,23 @@
 //! What must hold of every scene: no photon is lost, every number is one, and bits depend on nothing but photons and scene.
 
-use crate::table::Row;
 use lightmend_photon::{
     body::TreePreset,
+    bucket::Buckets,
     gather::Gather,
     irradiance::Scale,
     ledger::LedgerSolution,
     path::FirstHits,
-    pool::Pool,
+    pool::{PhotonIndex, Pool},
     probe,
     reconstruction::{Reconstruction, Shapes},
+    record::{Outcome, Tally},
     solution::Solution,
+    wave::trace_each_portably,
     world::World,
 };
 use lightmend_scene::{Configuration, Scene};
-use lightmend_tests::{count, pool, shoot};
+use lightmend_tests::{count, pool, shoot, table::Row};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Whether light can leave.
@@ -55,7 +58,7 @@ pub fn of(case: &str, configuration: &Configuration, space: Space, pool: Pool) -
     Row::exactly(case, &quantity, "0; 0; 0".to_owned(), source, format!("{lost}; {broken}; {differ}"))
 }
 
-/// Of the other tree, of one and three threads, and of the ledger.
+/// Of the other tree, of one and three threads, of the ledger, and without wide lanes.
 fn builds_that_differ(configuration: &Configuration, solution: &Solution) -> usize {
     let threads = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     let fast = Arc::new(World::new(configuration, TreePreset::Fast));
@@ -66,7 +69,26 @@ fn builds_that_differ(configuration: &Configuration, solution: &Solution) -> usi
     };
     let builds =
         [threads(1).install(|| again(&fast)), threads(3).install(|| again(solution.world())), threads(3).install(ledger)];
-    builds.iter().filter(|build| !build.equals(solution)).count()
+    builds.iter().filter(|build| !build.equals(solution)).count() + usize::from(!same_portably(solution))
+}
+
+/// Whether the instructions that every processor has lead to the same bits.
+fn same_portably(solution: &Solution) -> bool {
+    let lamps = solution.tallies().len();
+    let trace = |class: u64| {
+        let mut outcome = Outcome::new(lamps, false);
+        let photons = (class..solution.pool().photons()).step_by(288).map(PhotonIndex);
+        trace_each_portably(solution.rules(), solution.world(), photons, &mut outcome);
+        outcome
+    };
+    let outcomes: Vec<Outcome> = (0..288).into_par_iter().map(trace).collect();
+    let mut buckets = Buckets::new(solution.world().configuration());
+    let mut tallies = vec![Tally::default(); lamps];
+    for outcome in outcomes {
+        buckets.add(&outcome.deposits).unwrap();
+        tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
+    }
+    buckets == *solution.buckets() && tallies == solution.tallies()
 }
 
 /// How many numbers that are read from a solution are not finite: raw and reconstructed irradiance of every cell and side with their

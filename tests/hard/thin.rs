@@ -1,13 +1,10 @@
 //! 3. Thin and touching: walls of a tenth of a millimetre, sheets, coplanar and coincident surfaces. No leak into sealed space.
 
-use crate::{
-    sound::{self, Space},
-    table::Row,
-};
+use crate::sound::{self, Space};
 use glam::DVec3;
 use lightmend_photon::{path::FirstHits, solution::Solution};
 use lightmend_scene::{Pose, Scene};
-use lightmend_tests::{Builder, count, pool, shoot, world};
+use lightmend_tests::{Builder, count, pool, shoot, table::Row, world};
 use std::sync::Arc;
 
 const ROOM: [[f64; 3]; 2] = [[0.0; 3], [4.0, 3.0, 2.5]];

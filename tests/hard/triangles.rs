@@ -2,11 +2,10 @@
 
 use crate::{
     sound::{self, Space},
-    table::Row,
     thin::{hits, lit, room},
 };
 use glam::{DVec3, Vec3Swizzles};
-use lightmend_tests::Builder;
+use lightmend_tests::{Builder, table::Row};
 
 const LAMP: [f64; 3] = [1.3, 1.2, 2.1];
 

@@ -1,13 +1,14 @@
 //! 8. Grazing and degenerate views: the rasteriser's masks against ray-traced visibility (`tests/shadows`).
 
-use crate::{
-    compare::{Excuse, Picture, draw, renderer},
+use glam::DVec3;
+use lightmend_scene::{Configuration, View};
+use lightmend_tests::{
+    Builder, count,
+    masks::{Excuse, Picture, draw},
+    pixels::renderer,
     rays::Rays,
     table::Row,
 };
-use glam::DVec3;
-use lightmend_scene::{Configuration, View};
-use lightmend_tests::{Builder, count};
 
 pub fn rows() -> Vec<Row> {
     let lamp = DVec3::new(0.7, 0.9, 2.1);

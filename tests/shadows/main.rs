@@ -3,16 +3,20 @@
 //! More than one pixel away from where visibility really changes, no pixel may be wrong. Pixels at edges are counted and printed; so
 //! are the few in ten million that lie on the very outline of what they see, as exactly as rasterisers count.
 
-mod compare;
+mod check;
 mod places;
-mod rays;
 mod shapes;
 
-use compare::{Case, Excuse, Light, Picture, check, draw, renderer};
+use check::{Case, check};
 use glam::DVec3;
 use lightmend_scene::{Configuration, Edit, Scene, View};
-use lightmend_tests::{count, own_scene};
-use rays::Rays;
+use lightmend_tests::{
+    count,
+    masks::{Excuse, Light, Picture, draw},
+    own_scene,
+    pixels::renderer,
+    rays::Rays,
+};
 use std::sync::Arc;
 
 /// Pixels of a picture.

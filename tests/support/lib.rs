@@ -1,7 +1,10 @@
 //! What the whole-program tests share: scenes made on the spot, pools, and how thorough to be.
 
 pub mod edits;
+pub mod masks;
 pub mod pixels;
+pub mod rays;
+pub mod table;
 
 use glam::{DVec2, DVec3};
 use lightmend_photon::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, solution::Solution, world::World};

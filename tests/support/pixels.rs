@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use lightmend_raster::{Device, Look, Parts, Renderer, Settings, camera::Camera};
 use lightmend_scene::{Configuration, View};
+use std::sync::{Arc, LazyLock};
 
 /// A pixel that sees something.
 #[derive(Debug, Clone, Copy)]
@@ -25,9 +26,11 @@ pub struct Pixel {
     pub area: f64,
 }
 
-/// A renderer on a device of its own.
+static DEVICE: LazyLock<Arc<Device>> = LazyLock::new(|| Arc::new(Device::headless().unwrap()));
+
+/// A renderer; all share one device.
 pub fn renderer() -> Renderer {
-    Renderer::new(Device::headless().unwrap().into()).unwrap()
+    Renderer::new(DEVICE.clone()).unwrap()
 }
 
 /// Draws `parts` of what a square picture sees and reads the light of each pixel.

@@ -5,7 +5,7 @@
 //! recorded is of no consequence: deposits are integers.
 
 use crate::{
-    lanes::{Lanes, Task, widest},
+    lanes::{Lanes, Portable, Task, widest},
     path::{Photon, Record, Rules},
     pool::PhotonIndex,
     stack::Stack,
@@ -89,6 +89,12 @@ pub fn trace_each(rules: &Rules, world: &World, indices: impl Iterator<Item = Ph
     trace_apart(rules, world, indices, &mut Together(record));
 }
 
+/// As [`trace_each`], to the bit, with the instructions that every processor has: to compare.
+pub fn trace_each_portably(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
+    let log = &mut Together(record);
+    STACK.with_borrow_mut(|stack| Wave { rules, world, indices, photons: Vec::new(), log, stack }.run(Portable));
+}
+
 /// Traces photons through `world`, numbered from 0.
 pub fn trace_apart(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, log: &mut impl Log) {
     STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Vec::new(), log, stack }));
@@ -105,7 +111,6 @@ mod tests {
     use crate::{
         body::TreePreset,
         halton::{Scrambling, Sequence},
-        lanes::Portable,
         path::{FirstHits, trace},
         record::Outcome,
     };
@@ -126,9 +131,7 @@ mod tests {
                 let outcomes = [(); 3].map(|()| Outcome::new(lamps, false));
                 let [mut wide, mut portable, mut single] = outcomes;
                 trace_each(&rules, &world, indices(), &mut wide);
-                let stack = &mut Stack::new();
-                let log = &mut Together(&mut portable);
-                Wave { rules: &rules, world: &world, indices: indices(), photons: Vec::new(), log, stack }.run(Portable);
+                trace_each_portably(&rules, &world, indices(), &mut portable);
                 assert!(wide == portable, "class {class}");
                 indices().for_each(|index| trace(&rules, &world, index, &mut single));
                 for outcome in [&mut wide, &mut single] {

@@ -11,6 +11,7 @@ mod bad_scene;
 mod desk;
 mod frame_files;
 mod frames;
+mod hard;
 mod import;
 mod interrupt;
 mod invariants;

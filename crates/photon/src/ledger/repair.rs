@@ -216,3 +216,39 @@ impl LedgerSolution {
         in_class(start..self.ends[slab], class, self.rules.sequence.copies())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        body::TreePreset,
+        bucket::{Address, Bucket, CAPACITY},
+        halton::Scrambling,
+        path::FirstHits,
+        pool::Pool,
+        world::World,
+    };
+    use glam::DVec3;
+    use lightmend_scene::{Configuration, Edit, Scene};
+    use std::sync::Arc;
+
+    #[test]
+    fn what_does_not_fit_is_refused_whole() {
+        let path = format!("{}/../../scenes/cornell/cornell.ron", env!("CARGO_MANIFEST_DIR"));
+        let home = Configuration::initial(&Scene::read(path.as_ref()).unwrap().0);
+        let world = Arc::new(World::new(&home, TreePreset::Fast));
+        let pool = Pool::new(20_000, 288, 16, Scrambling::Seed(1)).unwrap();
+        let mut ledger = LedgerSolution::shoot(pool, world.clone(), FirstHits::Always, 1 << 30, &mut |_, _| true).unwrap();
+        let at = Address { object: 0, cell: 0, side: 0, lamp: 0 };
+        ledger.buckets.set(at, Bucket { energy: [0; 3], hits: 0 });
+        let hits = CAPACITY - ledger.buckets.deposits();
+        ledger.buckets.set(at, Bucket { energy: [0; 3], hits });
+        // Brighter paint takes no hit away.
+        let bright = home.apply(&Edit::Reflect { material: "white".into(), to: DVec3::ONE }).unwrap();
+        ledger.change(Arc::new(world.moved_to(&bright))).unwrap();
+        ledger.scan(usize::MAX);
+        let (buckets, outstanding) = (ledger.buckets.clone(), ledger.outstanding_photons());
+        assert_eq!(ledger.repair_next(), Err(Full));
+        assert!(outstanding > 0 && ledger.outstanding_photons() == outstanding && ledger.buckets == buckets);
+    }
+}

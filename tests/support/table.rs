@@ -1,7 +1,7 @@
 //! Rows of the table of hard cases, and the document that holds them.
 //!
-//! `LIGHTMEND_UPDATE=1 cargo test --release -p lightmend-tests --test hard` writes what was measured into `docs/hard-cases.md`, group by group; with
-//! `LIGHTMEND_THOROUGH=1` as well into its thorough tables.
+//! `LIGHTMEND_UPDATE=1 cargo test --release -p lightmend-tests --test hard` (frames: `-p lightmend --test command_line hard`) writes what was measured
+//! into `docs/hard-cases.md`, group by group; with `LIGHTMEND_THOROUGH=1` as well into its thorough tables.
 
 use std::{
     fmt::Display,
@@ -122,7 +122,7 @@ pub fn hold(group: &str, rows: &[Row]) {
             std::fs::rename(beside, path()).unwrap();
         } else if !thorough {
             let [old, new]: [Vec<_>; 2] = [old.strip_prefix(HEAD).unwrap_or(old), &table].map(|t| t.lines().map(title).collect());
-            assert!(old == new, "docs/hard-cases.md has other rows of {group}: write it anew (tests/hard/table.rs says how)");
+            assert!(old == new, "docs/hard-cases.md has other rows of {group}: write it anew (tests/support/table.rs says how)");
         }
     }
     let failed: Vec<String> = rows.iter().filter(|row| row.verdict == Verdict::Fail).map(Row::line).collect();
