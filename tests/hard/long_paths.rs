@@ -35,8 +35,9 @@ fn space(shape: &str, reflectance: DVec3) -> Arc<Scene> {
 
 /// What photons leave in a closed space: how often they hit something, and their energy per channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Left {
-    hits: i64,
+pub struct Left {
+    /// On all surfaces.
+    pub hits: i64,
     /// 2⁻²⁴ of a photon.
     energy: [i64; 3],
     /// Paths that only the limit ends.
@@ -73,7 +74,7 @@ fn survivals(sequence: &Sequence, photon: u64, survival: f64) -> u32 {
 }
 
 /// What the photons of a pool must leave in such a space, from their random numbers alone.
-fn foretold(pool: &Pool, reflectance: DVec3) -> Left {
+pub fn foretold(pool: &Pool, reflectance: DVec3) -> Left {
     let (sequence, held) = (pool.sequence(), reflectance.as_vec3());
     let survival = f64::from(held.max_element());
     // After so many survivals.
