@@ -24,7 +24,7 @@ pub fn room() -> Builder {
 
 /// All light, direct light too.
 pub fn lit(scene: &Arc<Scene>) -> Solution {
-    shoot(pool(count(100_000, 20_000_000)), &world(scene), FirstHits::Always)
+    shoot(pool(count(100_000, 8_000_000)), &world(scene), FirstHits::Always)
 }
 
 /// Hits on some sides of an object.
