@@ -47,7 +47,7 @@ fn through(case: &str, builder: Builder, photons: u64, share: f64) -> Row {
 
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
-    let photons = count(1_000_000, 50_000_000);
+    let photons = count(1_000_000, 10_000_000);
     for (case, width, height, away) in [
         ("a slit of 1 cm from floor to ceiling", 0.01, 2.5, 0.01),
         ("a keyhole of 1 cm × 2 cm", 0.01, 0.02, 0.02),

@@ -124,7 +124,7 @@ fn near() -> Vec<Row> {
         let case = format!("lamp of 100 cd, {height} m above a floor");
         let got = probe::direct(&world, DVec3::new(0.0, 0.0, 0.0), DVec3::Z).x;
         rows.push(Row::near(&case, "direct illuminance below it, lux", 100.0 / (height * height), "I / h²", got, 1e-6));
-        let photons = count(300_000, 20_000_000);
+        let photons = count(300_000, 10_000_000);
         let solution = shoot(pool(photons), &world, FirstHits::Always);
         let flux = direct_flux(&solution, photons)[0];
         // Solid angle of a rectangle of half sides a above whose middle the lamp stands: 4 asin(a² / (a² + h²)).

@@ -1,9 +1,17 @@
 //! 3. Thin and touching: walls of a tenth of a millimetre, sheets, coplanar and coincident surfaces. No leak into sealed space.
 
-use crate::sound::{self, Space};
+use crate::{
+    long_paths::foretold,
+    sound::{self, Space},
+};
 use glam::DVec3;
-use lightmend_photon::{path::FirstHits, solution::Solution};
-use lightmend_scene::{Pose, Scene};
+use lightmend_photon::{
+    irradiance::Scale,
+    path::FirstHits,
+    reconstruction::{Reconstruction, Shapes},
+    solution::Solution,
+};
+use lightmend_scene::{Pose, Scene, luminance};
 use lightmend_tests::{Builder, count, pool, shoot, table::Row, world};
 use std::sync::Arc;
 
@@ -16,7 +24,7 @@ pub fn room() -> Builder {
 
 /// All light, direct light too.
 pub fn lit(scene: &Arc<Scene>) -> Solution {
-    shoot(pool(count(100_000, 20_000_000)), &world(scene), FirstHits::Always)
+    shoot(pool(count(100_000, 8_000_000)), &world(scene), FirstHits::Always)
 }
 
 /// Hits on some sides of an object.
@@ -210,52 +218,63 @@ fn touching() -> Vec<Row> {
 
 fn coincident() -> Vec<Row> {
     let lamp = [1.3, 1.2, 2.1];
-    let lumens = |solution: &Solution, names: &[&str]| names.iter().map(|n| hits(solution, n, BOTH)).sum::<i64>() as f64;
     let mut rows = Vec::new();
-    let plain = lit(&room().lamp(lamp, 100.0).build(&[]));
     let rug = |name: &str, b: Builder| b.rectangle(name, 0.7, [0.8, 0.7, 0.0], [2.0, 0.0, 0.0], [0.0, 1.4, 0.0]);
-    let one = rug("rug", room()).lamp(lamp, 100.0).build(&[]);
-    let with_rug = lit(&one);
-    let case = "a rug coplanar with the floor, of the floor's reflectance";
-    let tolerance = 4.0 * (3.0 / lumens(&plain, &["room"])).sqrt();
-    rows.push(Row::near(
-        case,
-        "hits of room and rug ÷ hits of the room without it",
-        1.0,
-        "same surfaces; 4 standard errors",
-        lumens(&with_rug, &["room", "rug"]) / lumens(&plain, &["room"]),
-        tolerance,
-    ));
-    rows.push(Row::exactly(case, "hits below the rug", 0, "nothing is between", hits(&with_rug, "rug", &[1])));
-    rows.push(Row::exactly(case, "hits outside of the room", 0, "sealed", hits(&with_rug, "room", &[1])));
-    rows.push(sound::row(case, &one, Space::Closed));
-    let two = rug("rug two", rug("rug", room())).lamp(lamp, 100.0).build(&[]);
-    let with_two = lit(&two);
-    let case = "two coincident rugs on the floor";
-    let all = lumens(&with_two, &["room", "rug", "rug two"]);
-    rows.push(Row::near(
-        case,
-        "hits of all ÷ hits of the room without them",
-        1.0,
-        "same surfaces; 4 standard errors",
-        all / lumens(&plain, &["room"]),
-        tolerance,
-    ));
-    rows.push(Row::exactly(
-        case,
-        "hits below a rug",
-        0,
-        "nothing is between",
-        hits(&with_two, "rug", &[1]) + hits(&with_two, "rug two", &[1]),
-    ));
-    rows.push(sound::row(case, &two, Space::Closed));
-    let twice = {
-        let [a, b, c, d] = [[1.0, 1.0], [2.0, 1.1], [1.9, 2.0], [0.9, 1.9]].map(|[x, y]| DVec3::new(x, y, 0.9));
-        room()
-            .object("sheet", 0.6, vec![a, b, c, d], vec![[0, 1, 2], [0, 2, 3], [0, 1, 2], [2, 1, 0]])
-            .lamp(lamp, 100.0)
-            .build(&[])
-    };
-    rows.push(sound::row("one mesh with a triangle three times, once turned over", &twice, Space::Closed));
+    let one = rug("rug", room());
+    let two = rug("rug two", rug("rug", room()));
+    for (case, builder) in
+        [("a rug coplanar with the floor, of the floor's reflectance", one), ("two coincident rugs on the floor", two)]
+    {
+        let scene = builder.lamp(lamp, 100.0).build(&[]);
+        let solution = lit(&scene);
+        // One reflectance everywhere: the photons' numbers alone say how often they hit something.
+        let right = foretold(solution.pool(), DVec3::splat(0.7)).hits;
+        let all = solution.buckets().lit().map(|(_, bucket)| bucket.hits).sum();
+        rows.push(Row::exactly(case, "hits of all surfaces", right, "the photons' random numbers alone", all));
+        let below: i64 = ["rug", "rug two"]
+            .iter()
+            .filter(|n| scene.objects.iter().any(|o| o.name == **n))
+            .map(|n| hits(&solution, n, &[1]))
+            .sum();
+        rows.push(Row::exactly(case, "hits below a rug", 0, "nothing is between", below));
+        rows.push(Row::exactly(case, "hits outside of the room", 0, "sealed", hits(&solution, "room", &[1])));
+        rows.push(sound::row(case, &scene, Space::Closed));
+    }
+    let twice = sheet(true);
+    let case = "one mesh with a triangle three times, once turned over";
+    let [(once, right), (copies, all)] = [&sheet(false), &twice].map(upper);
+    rows.push(Row::exactly(case, "hits", right, "the same surface", all));
+    for (t, [lux, plain]) in copies.into_iter().zip(once).map(|(a, b)| [a, b]).enumerate() {
+        let quantity = format!("illuminance of triangle {t} from above, reconstructed, lux");
+        rows.push(Row::exactly(case, &quantity, plain, "that of the mesh that has it once", lux));
+    }
+    rows.push(sound::row(case, &twice, Space::Closed));
     rows
+}
+
+/// A sheet of two triangles above a floor; the first also twice more, once turned over.
+pub fn sheet(copies: bool) -> Arc<Scene> {
+    let corners = [[1.0, 1.0], [2.0, 1.1], [1.9, 2.0], [0.9, 1.9]].map(|[x, y]| DVec3::new(x, y, 0.9)).to_vec();
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+    triangles.extend([[0, 1, 2], [2, 1, 0]].iter().filter(|_| copies));
+    room().object("sheet", 0.6, corners, triangles).lamp([1.3, 1.2, 2.1], 100.0).build(&[])
+}
+
+/// Of a sheet, the illuminance of each triangle on the side that looks up, reconstructed, lux; and hits on both sides.
+pub fn upper(scene: &Arc<Scene>) -> (Vec<f64>, i64) {
+    let solution = lit(scene);
+    let configuration = solution.world().configuration();
+    let scale = Scale::new(solution.world(), solution.pool().photons());
+    let shapes = Shapes::of(configuration);
+    let light = Reconstruction::new(&shapes, configuration, solution.buckets(), &scale, configuration.lamp_slots());
+    let id = configuration.object_id("sheet").unwrap();
+    let object = configuration.object(id);
+    let lux = |t: usize| {
+        let [a, b, c] = object.mesh.corners(t);
+        let side = usize::from((b - a).cross(c - a).z < 0.0);
+        let cells = object.lattice.cells_of(t);
+        let count = cells.clone().count() as f64;
+        cells.map(|cell| luminance(light.cell(id, cell, side).value)).sum::<f64>() / count
+    };
+    ((0..object.mesh.triangles.len()).map(lux).collect(), hits(&solution, "sheet", BOTH))
 }

@@ -119,15 +119,9 @@ impl Gather<'_> {
 
     /// Adds the photons' light at a hit: that of all surfaces that lie in one another there.
     fn indirect(&self, ray: &Ray, hit: Hit, throughput: DVec3, gathered: &mut Gathered) {
-        let mut seen: Vec<Side> = Vec::new();
         for hit in self.world.layers(ray, hit) {
             let (object, cell) = (hit.triangle.object(), cell(self.world, &hit));
             let side = usize::from(hit.triangle.normal.dot(ray.direction) > 0.0);
-            // A triangle that is listed twice has its light once.
-            if seen.iter().any(|s| (s.0, s.2) == (object, side) && self.light.same_place(object, s.1, cell)) {
-                continue;
-            }
-            seen.push((object, cell, side));
             let light = self.light.cell(object, cell, side).value;
             gathered.light += throughput * light;
             gathered.from.push(((object, cell, side), luminance(throughput * light) / luminance(light).max(f64::MIN_POSITIVE)));

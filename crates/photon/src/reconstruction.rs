@@ -138,12 +138,6 @@ impl<'s> Reconstruction<'s> {
         Irradiance { standard_error: self.photon / area, ..Irradiance::default() }
     }
 
-    /// Whether two cells of an object are one in two copies of their triangle: each is told the light of both.
-    pub fn same_place(&self, object: usize, a: u32, b: u32) -> bool {
-        let patches = &self.shapes.get(object).patches;
-        a == b || (patches.of_cell(a).is_some() && patches.of_cell(a) == patches.of_cell(b))
-    }
-
     /// Irradiance at each lattice point of one side of object `object`, lux per linear Rec. 709 channel; `None` if light never reached that side.
     /// The points of a group have the mean of the cells around them, by area, as in Gouraud-shaded radiosity (Cohen and Wallace 1993).
     pub fn vertices(&self, object: usize, side: usize) -> Option<Vec<[f32; 3]>> {
@@ -151,7 +145,7 @@ impl<'s> Reconstruction<'s> {
         let Shape { points, patches, .. } = &**self.shapes.get(object);
         let lattice = &self.configuration.object(object).lattice;
         let mut around = vec![(DVec3::ZERO, 0.0); points.groups() as usize];
-        for t in (0..points.triangles()).filter(|t| !points.is_copy(*t)) {
+        for t in 0..points.triangles() {
             for (cell, corners) in lattice.cells_of(t).zip(points.cells_points(t)) {
                 let Some(patch) = patches.of_cell(cell) else { continue };
                 for point in corners {

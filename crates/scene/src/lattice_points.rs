@@ -8,8 +8,7 @@
 //! at the place. The normals count with their sign: back to back is a crease.
 //!
 //! Where two smooth triangles cut their common edge into different numbers of parts, the points that do not coincide stay in groups of
-//! their own triangle; which of them are nearest to each other is known as a *seam*. A triangle that is listed twice has one set of points:
-//! its *copies* take part in the light, but not in the area. Not mended: a corner of one triangle within an edge of another.
+//! their own triangle; which of them are nearest to each other is known as a *seam*. Not mended: a corner of one triangle within an edge of another.
 
 use crate::{Lattice, Mesh};
 use glam::DVec3;
@@ -26,8 +25,6 @@ pub struct LatticePoints {
     groups: u32,
     /// Pairs of groups beside each other on an edge that is cut in two ways.
     seams: Vec<[u32; 2]>,
-    /// Triangles that are there already, in order.
-    copies: Vec<u32>,
 }
 
 /// A point on the border of a triangle.
@@ -84,21 +81,6 @@ impl LatticePoints {
             }
         }
 
-        let mut copies: Vec<u32> = Vec::new();
-        for (original, copy, turn) in repeated(mesh) {
-            copies.push(copy as u32);
-            let n = lattice.divisions(copy);
-            for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
-                // Weights of the three corners, and where those corners are in the original.
-                let weights = [n - i - j, i, j];
-                let [_, i_there, j_there] = [0, 1, 2].map(|corner| weights[(corner + turn) % 3]);
-                let here = earliest(&group, first[copy] + Self::index(n, i, j));
-                let there = earliest(&group, first[original] + Self::index(n, i_there, j_there));
-                group[here.max(there) as usize] = here.min(there);
-            }
-        }
-        copies.sort_unstable();
-
         // Groups get numbers in the order of their first points, so that neighbours in memory stay neighbours.
         let mut groups = 0;
         for point in 0..group.len() {
@@ -114,7 +96,7 @@ impl LatticePoints {
         let mut seams: Vec<[u32; 2]> = pairs.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         seams.sort_unstable();
         seams.dedup();
-        LatticePoints { first, group, groups, seams, copies }
+        LatticePoints { first, group, groups, seams }
     }
 
     /// All points of the mesh.
@@ -154,11 +136,6 @@ impl LatticePoints {
         self.groups
     }
 
-    /// Whether triangle `t` is there already, with its front to the same side: it has the points of the other one, and no area of its own.
-    pub fn is_copy(&self, t: usize) -> bool {
-        self.copies.binary_search(&(t as u32)).is_ok()
-    }
-
     /// Pairs of groups that lie beside each other on an edge which two smooth triangles cut into different numbers of parts.
     pub fn seams(&self) -> &[[u32; 2]] {
         &self.seams
@@ -192,22 +169,6 @@ fn push_border(corners: [DVec3; 3], n: u32, first: u32, border: &mut Vec<BorderP
             border.push(BorderPoint { place, direction, point: first + LatticePoints::index(n, i, j) });
         }
     }
-}
-
-/// Triangles that have the corners of an earlier one, in the same sense of rotation: the earlier one, the copy, and which of the copy's corners
-/// is the other's first.
-fn repeated(mesh: &Mesh) -> Vec<(usize, usize, usize)> {
-    let bits = |t: usize| mesh.corners(t).map(|c| (c + 0.0).to_array().map(f64::to_bits));
-    // From the least corner on, so that the same triangle looks the same.
-    let turned = |t: usize| {
-        let corners = bits(t);
-        let least = (0..3).min_by_key(|k| corners[*k]).unwrap_or(0);
-        ([0, 1, 2].map(|k| corners[(least + k) % 3]), t, least)
-    };
-    let mut all: Vec<_> = (0..mesh.triangles.len()).map(turned).collect();
-    all.sort_unstable();
-    let same = all.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1);
-    same.flat_map(|same| same[1..].iter().map(|copy| (same[0].1, copy.1, (copy.2 + 3 - same[0].2) % 3))).collect()
 }
 
 /// An edge of a triangle from its lower end to its higher.
@@ -340,27 +301,6 @@ mod tests {
     /// The points of a triangle that `n` divides, as (i, j), by number.
     fn numbered(n: u32) -> Vec<(u32, u32)> {
         (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))).collect()
-    }
-
-    #[test]
-    fn a_triangle_that_is_listed_twice_has_one_set_of_points() {
-        let corners = vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 0.7, 0.1)];
-        for turned in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
-            let mesh = mesh(corners.clone(), vec![[0, 1, 2], turned, [2, 1, 0]]);
-            let (lattice, points) = points(&mesh, 0.3);
-            let n = lattice.divisions(0);
-            assert_eq!([0, 1, 2].map(|t| points.is_copy(t)), [false, true, false]);
-            assert_eq!(points.groups(), 2 * (points.count() / 3), "the other side is another surface");
-            let place = |t: usize, (i, j): (u32, u32)| {
-                let [a, b, c] = mesh.corners(t);
-                let [u, v] = [i, j].map(|k| f64::from(k) / f64::from(n));
-                (points.group(points.first(t) + LatticePoints::index(n, i, j)), a * (1.0 - u - v) + b * u + c * v)
-            };
-            for (group, p) in numbered(n).into_iter().map(|at| place(1, at)) {
-                let original = numbered(n).into_iter().map(|at| place(0, at)).find(|(g, _)| *g == group).unwrap();
-                assert!(original.1.distance(p) < 1e-12, "{turned:?}: {p} is not {}", original.1);
-            }
-        }
     }
 
     #[test]

@@ -283,6 +283,11 @@ impl<'a> Loader<'a> {
                 part.mesh.clone()
             }
         };
+        let (mesh, copies) = mesh.without_copies();
+        if copies > 0 {
+            let what = format!("triangles that are there already ({copies}), turned over or not, are left out");
+            self.warn(format!("object '{}': in {}, {what}", entry.name, entry.mesh));
+        }
         if !mesh.positions.iter().all(|p| within_reach(*p)) {
             let what =
                 format!("object '{}': {} has a vertex farther than {FARTHEST:e} m from the origin", entry.name, entry.mesh);

@@ -1,6 +1,7 @@
 //! An object's triangles, in the object's own space.
 
 use glam::{DVec2, DVec3};
+use std::collections::HashSet;
 
 /// Triangles of one object, in metres, before its pose.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,6 +23,31 @@ impl Mesh {
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|i| self.positions[i as usize])
     }
+
+    /// The mesh without triangles that have the corners of an earlier one, in whatever order, and how many those were. Which of such copies a ray
+    /// meets is a matter of rounding, so each would have a part of the light, and show it as if it were all.
+    pub fn without_copies(mut self) -> (Mesh, usize) {
+        let mut seen = HashSet::new();
+        let is_new = |t: usize| {
+            let mut corners = self.corners(t).map(|p| (p + 0.0).to_array().map(f64::to_bits));
+            corners.sort_unstable();
+            seen.insert(corners)
+        };
+        let new: Vec<bool> = (0..self.triangles.len()).map(is_new).collect();
+        let copies = new.iter().filter(|new| !**new).count();
+        if copies > 0 {
+            keep(&mut self.triangles, &new);
+            keep(&mut self.material_of, &new);
+            keep(&mut self.uvs, &new);
+        }
+        (self, copies)
+    }
+}
+
+/// Those of `all` that `which` says; all lists are as long or empty.
+fn keep<T>(all: &mut Vec<T>, which: &[bool]) {
+    let mut which = which.iter();
+    all.retain(|_| which.next().is_some_and(|keep| *keep));
 }
 
 impl Mesh {
@@ -52,5 +78,28 @@ impl Mesh {
             }
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_of_a_triangle_are_left_out() {
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, -DVec3::X, -DVec3::ZERO];
+        let triangles = vec![[0, 1, 2], [2, 3, 0], [1, 2, 4], [2, 1, 0], [4, 3, 1]];
+        let uvs: Vec<[DVec2; 3]> = (0..5).map(|t| [DVec2::splat(f64::from(t)); 3]).collect();
+        let materials = vec!["a".to_owned(), "b".to_owned()];
+        let mesh = Mesh { positions, triangles, material_of: vec![0, 1, 1, 0, 0], materials, uvs: uvs.clone() };
+        let (once, copies) = mesh.clone().without_copies();
+        assert_eq!(
+            (copies, &once.triangles[..], &once.material_of[..]),
+            (2, &[[0, 1, 2], [2, 3, 0], [4, 3, 1]][..], &[0, 1, 0][..])
+        );
+        assert_eq!(once.uvs, [uvs[0], uvs[1], uvs[4]]);
+        let plain = Mesh { uvs: Vec::new(), ..mesh };
+        assert_eq!(plain.without_copies().0.uvs, Vec::<[DVec2; 3]>::new());
+        assert_eq!(once.clone().without_copies(), (once, 0));
     }
 }

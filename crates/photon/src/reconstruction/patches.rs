@@ -7,7 +7,6 @@
 
 use glam::DVec3;
 use lightmend_scene::{Lattice, LatticePoints, Mesh};
-use std::collections::HashMap;
 
 /// No patch: a cell without an area.
 const NONE: u32 = u32::MAX;
@@ -15,7 +14,7 @@ const NONE: u32 = u32::MAX;
 /// The patches of one mesh, the same for both of its sides.
 #[derive(Debug)]
 pub struct Patches {
-    /// The level-0 patch of each cell: copies of a triangle share one.
+    /// The level-0 patch of each cell.
     patch_of: Vec<u32>,
     /// Level 0.
     pub cells: Level,
@@ -78,7 +77,7 @@ const CROWD: usize = 24;
 impl Patches {
     /// The patches of `mesh`, which `lattice` cuts.
     pub fn new(mesh: &Mesh, lattice: &Lattice, points: &LatticePoints) -> Patches {
-        let (patch_of, centre, area) = cells(mesh, lattice, points);
+        let (patch_of, centre, area) = cells(mesh, lattice);
 
         // Cells around every place.
         let mut around: Vec<[u32; 2]> = Vec::new();
@@ -121,34 +120,16 @@ impl Patches {
 }
 
 /// The level-0 patch of each cell, and the patches' centres and areas.
-fn cells(mesh: &Mesh, lattice: &Lattice, points: &LatticePoints) -> (Vec<u32>, Vec<DVec3>, Vec<f64>) {
+fn cells(mesh: &Mesh, lattice: &Lattice) -> (Vec<u32>, Vec<DVec3>, Vec<f64>) {
     let mut patch_of = vec![NONE; lattice.cells() as usize];
     let (mut centre, mut area) = (Vec::new(), Vec::new());
-    let mut originals: HashMap<[u32; 3], u32> = HashMap::new();
-    let has_copies = (0..points.triangles()).any(|t| points.is_copy(t));
-    let sorted = |corners: [u32; 3]| {
-        let mut groups = corners.map(|p| points.group(p));
-        groups.sort_unstable();
-        groups
-    };
-    for copies in [false, true] {
-        for t in (0..points.triangles()).filter(|t| points.is_copy(*t) == copies && lattice.area_in(*t) > 0.0) {
-            let [a, b, c] = mesh.corners(t);
-            let n = f64::from(lattice.divisions(t));
-            let mut centres = centres(lattice.divisions(t));
-            for (cell, corners) in lattice.cells_of(t).zip(points.cells_points(t)) {
-                let [b1, b2] = centres.next().unwrap_or_default();
-                if copies {
-                    patch_of[cell as usize] = originals.get(&sorted(corners)).copied().unwrap_or(NONE);
-                    continue;
-                }
-                patch_of[cell as usize] = area.len() as u32;
-                if has_copies {
-                    originals.insert(sorted(corners), area.len() as u32);
-                }
-                centre.push(a + (b - a) * (b1 / n) + (c - a) * (b2 / n));
-                area.push(lattice.area_in(t));
-            }
+    for t in (0..mesh.triangles.len()).filter(|t| lattice.area_in(*t) > 0.0) {
+        let [a, b, c] = mesh.corners(t);
+        let n = f64::from(lattice.divisions(t));
+        for (cell, [b1, b2]) in lattice.cells_of(t).zip(centres(lattice.divisions(t))) {
+            patch_of[cell as usize] = area.len() as u32;
+            centre.push(a + (b - a) * (b1 / n) + (c - a) * (b2 / n));
+            area.push(lattice.area_in(t));
         }
     }
     (patch_of, centre, area)

@@ -133,19 +133,6 @@ fn what_is_the_same_everywhere_stays_so() {
 }
 
 #[test]
-fn a_triangle_that_is_listed_twice_is_as_bright_as_once() {
-    let square = |triangles| mesh(vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y], triangles);
-    let mut lit = Lit::new(square(vec![[0, 1, 2], [0, 2, 3], [0, 1, 2], [3, 0, 2]]), 0.2);
-    // One is met in the first copy, the other in the second.
-    for cell in [0, 3].into_iter().flat_map(|t| lit.lattice.cells_of(t)).collect::<Vec<_>>() {
-        lit.light(cell, LUX);
-    }
-    for found in lit.front() {
-        assert!(close(DVec3::from_array(found.map(f64::from)), DVec3::from_array(LUX), 1e-6), "{found:?}");
-    }
-}
-
-#[test]
 fn light_does_not_leak_over_the_edges_of_a_box() {
     let mut lit = Lit::new(cuboid(DVec3::ONE), 0.1);
     for cell in [10, 11].into_iter().flat_map(|t| lit.lattice.cells_of(t)).collect::<Vec<_>>() {
