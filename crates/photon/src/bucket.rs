@@ -118,6 +118,26 @@ impl Buckets {
         self.deposits += other.deposits;
     }
 
+    /// Changes the hits of one side of a cell by so many, of all lamps in proportion, as if they brought what its others do. Where there are none none come.
+    pub fn scale_side(&mut self, object: usize, cell: u32, side: usize, change: f64) {
+        if cell >= self.cells[object] {
+            return;
+        }
+        let hits = |page: &Arc<[Bucket]>| page[cell as usize].hits;
+        let pages = || (0..self.pages[object].len() / 2).map(|lamp| 2 * lamp + side);
+        let all: i64 = pages().filter_map(|n| self.pages[object][n].as_ref()).map(hits).sum();
+        let factor = (1.0 + change / all.max(1) as f64).max(0.0);
+        for n in pages().collect::<Vec<_>>() {
+            if let Some(page) = &mut self.pages[object][n]
+                && page[cell as usize].hits > 0
+            {
+                let bucket = &mut Arc::make_mut(page)[cell as usize];
+                bucket.energy = bucket.energy.map(|e| (e as f64 * factor) as i64);
+                bucket.hits = ((bucket.hits as f64 * factor).round() as i64).max(1);
+            }
+        }
+    }
+
     /// Sets one bucket.
     pub fn set(&mut self, at: Address, bucket: Bucket) {
         let before = std::mem::replace(&mut self.page(at)[at.cell as usize], bucket);

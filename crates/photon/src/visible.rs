@@ -157,6 +157,11 @@ impl Visible {
         self.sides.iter().map(Side::seen)
     }
 
+    /// Object, cell and side of what is seen, in the same order.
+    pub fn ids(&self) -> Vec<(usize, u32, usize)> {
+        self.sides.iter().map(|s| (s.object, s.cell, s.side)).collect()
+    }
+
     /// Radiance of what is seen, in the same order: candela per m² and linear Rec. 709 channel.
     pub fn radiance(&self, values: &[[f32; 3]]) -> Vec<Vec3> {
         let of = |(s, v): (&Side, &[f32; 3])| Vec3::from_array(*v) * s.reflectance / std::f32::consts::PI;

@@ -78,6 +78,9 @@ impl LedgerSolution {
             for outcome in [&repair.old, &repair.new] {
                 outcome.add_to(&mut self.buckets, &mut self.tallies);
             }
+            if let Some(exchange) = &mut self.exchange {
+                exchange.count(&self.numbers, &repair.old, &repair.new, repair.photons.len() as u64);
+            }
             mended.work += Work { photons: repair.parted, rays: repair.new.rays };
             mended.replayed += repair.replayed;
             mended.photons.extend(repair.photons);
