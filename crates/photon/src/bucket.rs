@@ -118,23 +118,21 @@ impl Buckets {
         self.deposits += other.deposits;
     }
 
-    /// Changes the hits of one side of a cell by so many, of all lamps in proportion, as if they brought what its others do. Where there are none none come.
-    pub fn scale_side(&mut self, object: usize, cell: u32, side: usize, change: f64) {
-        if cell >= self.cells[object] {
+    /// So many hits more (or less) on one side of a cell, from all lamps in proportion, each like those that are there. Where there are none
+    /// nothing is added.
+    pub(crate) fn add_hits_alike(&mut self, object: usize, cell: u32, side: usize, hits: f64) {
+        let hits_of = |page: &Option<Arc<[Bucket]>>| page.as_ref().and_then(|page| page.get(cell as usize)).map_or(0, |b| b.hits);
+        let all: i64 = self.pages[object].iter().skip(side).step_by(2).map(hits_of).sum();
+        if all == 0 {
             return;
         }
-        let hits = |page: &Arc<[Bucket]>| page[cell as usize].hits;
-        let pages = || (0..self.pages[object].len() / 2).map(|lamp| 2 * lamp + side);
-        let all: i64 = pages().filter_map(|n| self.pages[object][n].as_ref()).map(hits).sum();
-        let factor = (1.0 + change / all.max(1) as f64).max(0.0);
-        for n in pages().collect::<Vec<_>>() {
-            if let Some(page) = &mut self.pages[object][n]
-                && page[cell as usize].hits > 0
-            {
-                let bucket = &mut Arc::make_mut(page)[cell as usize];
-                bucket.energy = bucket.energy.map(|e| (e as f64 * factor) as i64);
-                bucket.hits = ((bucket.hits as f64 * factor).round() as i64).max(1);
-            }
+        let factor = (1.0 + hits / all as f64).max(0.0);
+        for page in self.pages[object].iter_mut().skip(side).step_by(2).filter(|page| hits_of(page) > 0) {
+            let Some(page) = page else { continue };
+            let bucket = &mut Arc::make_mut(page)[cell as usize];
+            let scaled = |value: i64| (value as f64 * factor).round() as i64;
+            self.deposits += scaled(bucket.hits) - bucket.hits;
+            *bucket = Bucket { energy: bucket.energy.map(scaled), hits: scaled(bucket.hits) };
         }
     }
 

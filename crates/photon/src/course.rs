@@ -139,7 +139,7 @@ impl Course {
         }
     }
 
-    /// From now on it is counted what repairs bring, where an order tells by it what is still to come.
+    /// From now on it is noted what repairs bring, where an order can tell by it what is still to come. To be called after the edit.
     pub fn watch(&mut self) {
         if let Way::Ledger(ledger) = &mut self.way {
             ledger.watch();

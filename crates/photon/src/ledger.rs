@@ -36,8 +36,8 @@ use chunk::Loose;
 use grid::Grid;
 use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
-pub use pending::Pending;
 use pending::Exchange;
+pub use pending::Pending;
 use rayon::prelude::*;
 pub use repair::Mended;
 use replay::{Clerk, Drafts, Recorder};
@@ -100,7 +100,7 @@ pub struct LedgerSolution {
     turn: usize,
     /// Chunks to repair before all others, the first one last.
     visible: Vec<u32>,
-    /// What repairs brought since the last edit, if that is watched.
+    /// What repairs brought, if they are watched.
     exchange: Option<Exchange>,
     bytes: u64,
     limit: u64,
@@ -258,7 +258,7 @@ impl LedgerSolution {
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
-        self.exchange = self.exchange.take().map(|_| Exchange::new(&self.numbers));
+        self.exchange = None;
         let surfaces = Arc::new(Surfaces::new(&self.world, self.pasts.values().last().map(|past| &*past.surfaces)));
         self.forget_unused_pasts();
         for past in self.pasts.values_mut() {

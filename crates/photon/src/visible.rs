@@ -157,11 +157,6 @@ impl Visible {
         self.sides.iter().map(Side::seen)
     }
 
-    /// Object, cell and side of what is seen, in the same order.
-    pub fn ids(&self) -> Vec<(usize, u32, usize)> {
-        self.sides.iter().map(|s| (s.object, s.cell, s.side)).collect()
-    }
-
     /// Radiance of what is seen, in the same order: candela per m² and linear Rec. 709 channel.
     pub fn radiance(&self, values: &[[f32; 3]]) -> Vec<Vec3> {
         let of = |(s, v): (&Side, &[f32; 3])| Vec3::from_array(*v) * s.reflectance / std::f32::consts::PI;
@@ -181,7 +176,12 @@ impl Visible {
 
     /// The same, of a field of the world that is looked at.
     pub fn values_of(&self, field: &Field) -> Vec<[f32; 3]> {
-        self.sides.iter().map(|s| field.side(s.object, s.cell, s.side).irradiance.as_vec3().to_array()).collect()
+        self.values_by(|object, cell, side| field.side(object, cell, side).irradiance)
+    }
+
+    /// The same, by the irradiance of an object's cell's side.
+    pub fn values_by(&self, irradiance: impl Fn(usize, u32, usize) -> DVec3) -> Vec<[f32; 3]> {
+        self.sides.iter().map(|s| irradiance(s.object, s.cell, s.side).as_vec3().to_array()).collect()
     }
 
     /// Visible error of [`values`](Self::values) against the drained ones; 0 if nothing is seen.
