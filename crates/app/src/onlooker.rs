@@ -62,17 +62,16 @@ impl Onlooker {
         pixels.flatten().filter(off).count() as f64 / f64::from(width * height)
     }
 
-    /// The same of what a repair will still change of `light`, as foreseen.
+    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen.
     pub fn foreseen(
         &self,
         reader: &mut IndirectLight,
         configuration: &Configuration,
-        (light, pending): (&Buckets, &Pending),
+        (light, now, pending): (&Buckets, &[f64], &Pending),
         scale: &Scale,
     ) -> f64 {
         let then = pending.draw(light, |object| self.objects.get(object) == Some(&true));
-        let [now, then] = [light, &then].map(|light| self.shown(reader, configuration, light, scale));
-        self.noticed(&now, &then)
+        self.noticed(now, &self.shown(reader, configuration, &then, scale))
     }
 
     /// The difference in multiples of the one that is just noticed.

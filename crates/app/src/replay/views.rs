@@ -14,8 +14,14 @@ use crate::{
 };
 use lightmend_perception::compare;
 use lightmend_photon::{
-    bucket::Buckets, course::Course, importance::Gaze, irradiance::Scale, ledger::LedgerSolution, solution::Solution,
-    visible::Frustum, world::World,
+    bucket::Buckets,
+    course::Course,
+    importance::Gaze,
+    irradiance::Scale,
+    ledger::LedgerSolution,
+    solution::Solution,
+    visible::{Frustum, Seen, Visible},
+    world::World,
 };
 use lightmend_scene::View;
 use serde_json::{Value, json};
@@ -30,6 +36,33 @@ const SPACING: f64 = 1.1;
 
 /// But no more than this share of all work.
 const CLOSEST: f64 = 0.02;
+
+/// A way to tell what matters to a camera.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Way {
+    /// Nothing: by P alone, or shuffled.
+    P,
+    /// Hits in the frustum.
+    V,
+    /// The same ÷ T_e.
+    VMasked,
+    /// The item buffer.
+    Items,
+    /// The same ÷ T_e.
+    ItemsMasked,
+}
+
+impl Way {
+    fn name(self) -> &'static str {
+        match self {
+            Way::P => "P",
+            Way::V => "V",
+            Way::VMasked => "V 1/Te",
+            Way::Items => "items",
+            Way::ItemsMasked => "items 1/Te",
+        }
+    }
+}
 
 /// What a camera saw of an order that went by a way to tell what matters.
 pub struct Sight {
@@ -115,7 +148,7 @@ impl<'a> Eye<'a> {
         let flip = compare(&self.picture, &self.draw(&values)).map_err(Failure::failed)?.mean;
         let now = self.onlooker.shown(reader, configuration, light, self.scale);
         let pending = course.pending();
-        let foreseen = pending.map(|pending| self.onlooker.foreseen(reader, configuration, (light, &pending), self.scale));
+        let foreseen = pending.map(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
         Ok(Moment {
             rays,
             seconds: clock.as_secs_f64(),
@@ -134,6 +167,7 @@ pub fn follow(
     ledger: Option<&LedgerSolution>,
     end: &Solution,
     orders: &[OrderArgument],
+    ways: &[Way],
     quiet: bool,
 ) -> Result<Vec<Sight>, Failure> {
     let world = start.world().moved_to(end.world().configuration());
@@ -144,23 +178,19 @@ pub fn follow(
     let mut reader = IndirectLight::default();
     for (camera, view) in &configuration.scene().cameras {
         let onlooker = Onlooker::new(&world, view, maskings);
-        let visible = onlooker.visible();
         let eye = Eye::new(&onlooker, &world, &scale, end.buckets(), &mut reader);
-        let sides = Gaze::Sides(visible.importance(&world, |_| 1.0).into());
-        let mut elevation = |object: usize, t, footprint| maskings.elevation(configuration.object(object), t, footprint);
-        let masked_sides = Gaze::Sides(visible.importance(&world, |s| elevation(s.object, s.triangle, s.footprint)).into());
-        let gazes = gazes(maskings, configuration, view, sides, masked_sides);
         for order in orders {
-            for (name, gaze) in &gazes {
+            for way in ways {
                 let course = match order {
                     // Hits in the frustum were worse for a ledger than no order.
-                    OrderArgument::Ledger if name.starts_with('V') => None,
+                    OrderArgument::Ledger if matches!(way, Way::V | Way::VMasked) => None,
                     OrderArgument::Ledger => ledger.map(Course::ledger),
                     OrderArgument::Stateless => Some(Course::stateless(start)),
                     OrderArgument::Random | OrderArgument::Oracle | OrderArgument::Restart => None,
                 };
                 let Some(mut course) = course else { continue };
                 let order = if matches!(order, OrderArgument::Ledger) { "ledger" } else { "stateless" };
+                let (name, gaze) = (way.name(), gaze(*way, maskings, &world, view, onlooker.visible()));
                 let bar = progress::bar(1000, &format!("{camera}, {order}, {name}"), quiet);
                 let moments = watch(&mut course, gaze.as_ref(), &world, &eye, &mut reader, &bar)?;
                 bar.finish_and_clear();
@@ -174,23 +204,18 @@ pub fn follow(
     Ok(sights)
 }
 
-/// The ways to tell what matters.
-fn gazes(
-    maskings: &mut Maskings,
-    configuration: &lightmend_scene::Configuration,
-    view: &View,
-    sides: Gaze,
-    masked_sides: Gaze,
-) -> Vec<(&'static str, Option<Gaze>)> {
-    let frustum = Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
-    let unmasked = Arc::new(maskings.unmasked(configuration, view));
-    vec![
-        ("P", None),
-        ("V", Some(Gaze::Frustum(frustum))),
-        ("V 1/Te", Some(Gaze::Masked(frustum, unmasked))),
-        ("items", Some(sides)),
-        ("items 1/Te", Some(masked_sides)),
-    ]
+/// What matters to a camera that sees this.
+fn gaze(way: Way, maskings: &mut Maskings, world: &World, view: &View, visible: &Visible) -> Option<Gaze> {
+    let configuration = world.configuration();
+    let frustum = || Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
+    let elevation = |seen: &Seen| maskings.elevation(configuration.object(seen.object), seen.triangle, seen.footprint);
+    match way {
+        Way::P => None,
+        Way::V => Some(Gaze::Frustum(frustum())),
+        Way::VMasked => Some(Gaze::Masked(frustum(), Arc::new(maskings.unmasked(configuration, view)))),
+        Way::Items => Some(Gaze::Sides(visible.importance(world, |_| 1.0).into())),
+        Way::ItemsMasked => Some(Gaze::Sides(visible.importance(world, elevation).into())),
+    }
 }
 
 fn watch(

@@ -293,7 +293,8 @@ impl<'a> Reader<'a> {
         let known = self.onlooker.take().filter(|(known, from, _)| Arc::ptr_eq(known, world) && *from == view);
         let (.., onlooker) =
             self.onlooker.insert(known.unwrap_or_else(|| (world.clone(), view, Onlooker::new(world, &view, &mut self.maskings))));
-        let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, pending), scale);
+        let now = onlooker.shown(&mut self.light, world.configuration(), buckets, scale);
+        let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, &now, pending), scale);
         share <= TOLERATED_FORESEEN
     }
 

@@ -96,6 +96,9 @@ impl LedgerSolution {
             self.outstanding -= u64::from(held.marks());
             held.marked.clear();
         }
+        if let Some(exchange) = &mut self.exchange {
+            exchange.turn(self.outstanding);
+        }
         (!next.is_empty()).then_some(mended)
     }
 
