@@ -9,7 +9,7 @@ use lightmend_photon::{
     pool::Pool,
     probe::{Place, locate},
     reconstruction::{Reconstruction, Shapes},
-    reference::{Plan, PathTracer},
+    reference::{PathTracer, Plan},
     world::World,
 };
 use lightmend_scene::luminance;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use lightmend_photon::{
-    reference::{Estimate, Plan, PathTracer},
+    reference::{Estimate, PathTracer, Plan},
     world::World,
 };
 use lightmend_tests::{Builder, count, sphere, world};

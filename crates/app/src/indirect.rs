@@ -36,6 +36,18 @@ impl IndirectLight {
         Reconstruction::new(&self.shapes, configuration, buckets, scale, lamps)
     }
 
+    /// The light of all lamps on some of the objects: others are dark.
+    pub fn reconstruct_some(
+        &mut self,
+        configuration: &Configuration,
+        buckets: &Buckets,
+        scale: &Scale,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Reconstruction<'_> {
+        self.shapes.learn(configuration);
+        Reconstruction::of_objects(&self.shapes, configuration, buckets, scale, configuration.lamp_slots(), wanted)
+    }
+
     /// Irradiance of every element side, reconstructed.
     pub fn field(&mut self, world: &World, buckets: &Buckets, scale: &Scale) -> Field {
         let configuration = world.configuration();

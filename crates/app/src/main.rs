@@ -11,6 +11,7 @@ mod frames;
 mod import;
 mod indirect;
 mod masking;
+mod onlooker;
 mod output;
 mod picture;
 mod points;

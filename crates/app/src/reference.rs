@@ -10,7 +10,7 @@ use crate::{
 use lightmend_photon::{
     body::TreePreset,
     probe::direct,
-    reference::{Plan, PathTracer},
+    reference::{PathTracer, Plan},
     world::World,
 };
 use lightmend_scene::Configuration;

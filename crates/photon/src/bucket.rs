@@ -141,6 +141,24 @@ impl Buckets {
         Ok(())
     }
 
+    /// So many hits more (or less) on one side of a cell, from all lamps in proportion, each like those that are there. Where there are none
+    /// nothing is added.
+    pub(crate) fn add_hits_alike(&mut self, object: usize, cell: u32, side: usize, hits: f64) {
+        let hits_of = |page: &Option<Arc<[Bucket]>>| page.as_ref().and_then(|page| page.get(cell as usize)).map_or(0, |b| b.hits);
+        let all: i64 = self.pages[object].iter().skip(side).step_by(2).map(hits_of).sum();
+        if all == 0 {
+            return;
+        }
+        let factor = (1.0 + hits / all as f64).max(0.0);
+        for page in self.pages[object].iter_mut().skip(side).step_by(2).filter(|page| hits_of(page) > 0) {
+            let Some(page) = page else { continue };
+            let bucket = &mut Arc::make_mut(page)[cell as usize];
+            let scaled = |value: i64| (value as f64 * factor).round() as i64;
+            self.deposits += scaled(bucket.hits) - bucket.hits;
+            *bucket = Bucket { energy: bucket.energy.map(scaled), hits: scaled(bucket.hits) };
+        }
+    }
+
     /// Sets one bucket.
     pub fn set(&mut self, at: Address, bucket: Bucket) {
         let before = std::mem::replace(&mut self.page(at)[at.cell as usize], bucket);

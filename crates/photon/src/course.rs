@@ -7,7 +7,7 @@ use crate::{
     bucket::Buckets,
     hash::shuffle,
     importance::Gaze,
-    ledger::{LedgerSolution, Refused},
+    ledger::{LedgerSolution, Pending, Refused},
     path::Rules,
     pool::{PhotonIndex, Pool},
     shooting::{CLASSES, Shooting, Work},
@@ -136,6 +136,21 @@ impl Course {
             }
             Way::Groups(solution) => solution.look(Some(gaze.clone())),
             Way::Photons { .. } | Way::Shooting { .. } | Way::Recording { .. } => {}
+        }
+    }
+
+    /// From now on it is noted what repairs bring, where an order can tell by it what is still to come. To be called after the edit.
+    pub fn watch(&mut self) {
+        if let Way::Ledger(ledger) = &mut self.way {
+            ledger.watch();
+        }
+    }
+
+    /// What is still to come, where an order knows it.
+    pub fn pending(&self) -> Option<Pending> {
+        match &self.way {
+            Way::Ledger(ledger) => ledger.pending(),
+            Way::Groups(_) | Way::Photons { .. } | Way::Shooting { .. } | Way::Recording { .. } => None,
         }
     }
 

@@ -13,6 +13,7 @@ mod chunk;
 mod grid;
 mod held;
 mod numbers;
+mod pending;
 mod repair;
 mod replay;
 mod scan;
@@ -35,6 +36,8 @@ use chunk::Loose;
 use grid::Grid;
 use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
+use pending::Exchange;
+pub use pending::Pending;
 use rayon::prelude::*;
 pub use repair::Mended;
 use replay::{Clerk, Drafts, Recorder};
@@ -100,6 +103,8 @@ pub struct LedgerSolution {
     turn: usize,
     /// Chunks to repair before all others, the first one last.
     visible: Vec<u32>,
+    /// What repairs brought, if they are watched.
+    exchange: Option<Exchange>,
     bytes: u64,
     limit: u64,
 }
@@ -131,6 +136,7 @@ impl LedgerSolution {
             shuffled: Vec::new(),
             turn: 0,
             visible: Vec::new(),
+            exchange: None,
             bytes: 0,
             limit,
         })
@@ -256,6 +262,7 @@ impl LedgerSolution {
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
+        self.exchange = None;
         let surfaces = Arc::new(Surfaces::new(&self.world, self.pasts.values().last().map(|past| &*past.surfaces)));
         self.forget_unused_pasts();
         for past in self.pasts.values_mut() {

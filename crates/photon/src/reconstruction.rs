@@ -104,9 +104,22 @@ impl<'s> Reconstruction<'s> {
         scale: &Scale,
         lamps: usize,
     ) -> Reconstruction<'s> {
+        Reconstruction::of_objects(shapes, configuration, buckets, scale, lamps, |_| true)
+    }
+
+    /// The same of some of the objects: all others are dark.
+    pub fn of_objects(
+        shapes: &'s Shapes,
+        configuration: &Configuration,
+        buckets: &Buckets,
+        scale: &Scale,
+        lamps: usize,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Reconstruction<'s> {
         let of_object = |id: usize| {
             [0, 1].map(|side| {
-                let patches = &shapes.shapes[id].as_ref().filter(|_| configuration.has_object(id))?.patches;
+                let is_read = |_: &&Arc<Shape>| configuration.has_object(id) && wanted(id);
+                let patches = &shapes.shapes[id].as_ref().filter(is_read)?.patches;
                 Some(estimate(patches, &sums(patches, buckets, scale, [id, side], lamps)?))
             })
         };

@@ -14,7 +14,14 @@ mod light;
 mod worker;
 
 use crate::{
-    bucket::Buckets, courtesy, irradiance::Scale, ledger::Refused, path::FirstHits, pool::Pool, shooting::Work, world::World,
+    bucket::Buckets,
+    courtesy,
+    irradiance::Scale,
+    ledger::{Pending, Refused},
+    path::FirstHits,
+    pool::Pool,
+    shooting::Work,
+    world::World,
 };
 use lightmend_scene::{Configuration, View};
 use std::{
@@ -111,6 +118,9 @@ pub struct Snapshot {
     pub method: Method,
     /// Photons that may hold light of an earlier configuration, and those of the pool that were not shot yet.
     pub outstanding_photons: u64,
+    /// What the repair will still bring, as far as it can be told: with a ledger and a whole pool, once edits have come to rest while somebody
+    /// [looks](Solver::look).
+    pub pending: Option<Pending>,
     /// Whether more photons than the pool's will be shot once nothing is wrong.
     pub grows: bool,
     /// What was done since the solver was started.

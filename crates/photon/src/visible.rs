@@ -176,7 +176,12 @@ impl Visible {
 
     /// The same, of a field of the world that is looked at.
     pub fn values_of(&self, field: &Field) -> Vec<[f32; 3]> {
-        self.sides.iter().map(|s| field.side(s.object, s.cell, s.side).irradiance.as_vec3().to_array()).collect()
+        self.values_by(|object, cell, side| field.side(object, cell, side).irradiance)
+    }
+
+    /// The same, by the irradiance of an object's cell's side.
+    pub fn values_by(&self, irradiance: impl Fn(usize, u32, usize) -> DVec3) -> Vec<[f32; 3]> {
+        self.sides.iter().map(|s| irradiance(s.object, s.cell, s.side).as_vec3().to_array()).collect()
     }
 
     /// Visible error of [`values`](Self::values) against the drained ones; 0 if nothing is seen.

@@ -40,7 +40,7 @@ pub fn scenes() -> [scene::Scene; 3] {
 /// All files of all scenes.
 ///
 /// # Errors
-/// When the encoder of the rug's picture fails.
+/// When the encoder of pictures fails.
 pub fn files() -> Result<Vec<File>, image::ImageError> {
     let mut files = Vec::new();
     for scene in scenes() {
@@ -50,6 +50,11 @@ pub fn files() -> Result<Vec<File>, image::ImageError> {
             files.push(File::text(&format!("{folder}/{}{}.obj", scene.meshes.0, mesh.name), mesh.obj()));
         }
     }
+    let papered = room::papered();
+    files.push(File::text("room/papered.ron", papered.ron()));
+    let shell = papered.meshes.1.iter().filter(|mesh| mesh.name == "papered_shell");
+    files.extend(shell.map(|mesh| File::text("room/meshes/papered_shell.obj", mesh.obj())));
+    files.push(File { path: "room/textures/checks.png".to_string(), bytes: texture::checks()? });
     files.extend(cornell::scripts());
     files.extend(room::moves::scripts());
     files.extend(house::moves::scripts());

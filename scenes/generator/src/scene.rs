@@ -11,7 +11,7 @@ use crate::solid::v;
 #[derive(Clone, Debug)]
 pub struct Object {
     name: String,
-    mesh: String,
+    pub(crate) mesh: String,
     part: Option<String>,
     movable: bool,
     on: Option<String>,

@@ -1,4 +1,4 @@
-//! The rug's picture: a woven pattern in four yarns, written as PNG.
+//! The rug's picture, a woven pattern in four yarns, and the paper of the papered room, written as PNG.
 
 use std::io::Cursor;
 
@@ -20,6 +20,23 @@ pub fn rug() -> Result<Vec<u8>, ImageError> {
         let shade = if (x / 2 + y / 2) % 2 == 0 { 1.0 } else { 0.88 };
         image::Rgb(yarn.map(|c| (c as f64 * shade).round() as u8))
     });
+    png(&picture)
+}
+
+/// The PNG file of a paper of two by two checks, with stripes within: 256 × 256, sRGB.
+///
+/// # Errors
+/// When the encoder fails.
+pub fn checks() -> Result<Vec<u8>, ImageError> {
+    const INKS: [[u8; 3]; 2] = [[232, 222, 200], [96, 112, 104]];
+    let picture = RgbImage::from_fn(SIDE, SIDE, |x, y| {
+        let shade = if x / 4 % 2 == 0 { 1.0 } else { 0.92 };
+        image::Rgb(INKS[((2 * x / SIDE + 2 * y / SIDE) % 2) as usize].map(|c| (f64::from(c) * shade).round() as u8))
+    });
+    png(&picture)
+}
+
+fn png(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, ImageFormat::Png)?;
     Ok(bytes.into_inner())

@@ -38,9 +38,10 @@ pub struct Arguments {
     /// Rays traced per frame while a drag is played step by step
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     work: u64,
-    /// Follow also what each of the scene's cameras sees, with every way to tell what matters to it: views.csv
-    #[arg(long)]
-    views: bool,
+    /// Follow also what each of the scene's cameras sees, with these ways to tell what matters to it, all if none is named: views.csv
+    #[arg(long, value_name = "WAYS", value_delimiter = ',', num_args = 0..=1, require_equals = true,
+        default_missing_value = "p,v,v-masked,items,items-masked")]
+    views: Option<Vec<views::Way>>,
     #[command(flatten)]
     common: Common,
 }
@@ -164,8 +165,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if matches!(timed.edit, Edit::Drag { .. }) {
             chapter.drag = drag::play(&moves, timed, &drained, ledger.as_ref(), &fresh, arguments.work, &orders, common.quiet)?;
         }
-        if arguments.views {
-            chapter.views = views::follow(&mut maskings, &drained, ledger.as_ref(), &fresh, &orders, common.quiet)?;
+        if let Some(ways) = &arguments.views {
+            chapter.views = views::follow(&mut maskings, &drained, ledger.as_ref(), &fresh, &orders, ways, common.quiet)?;
         }
         if common.talks() {
             report::print(&chapter);

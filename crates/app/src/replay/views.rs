@@ -1,13 +1,18 @@
 //! What cameras see of a recovery: visible error, FLIP and pixels in which the error could be noticed, against work, for every way to tell what matters.
 //!
-//! An error could be noticed in a pixel if its luminance is off by more than the step that is just seen on a plain surface
-//! (Ward Larson et al. 1997) times the threshold elevation of the texture there. The eye is taken to be adapted to the indirect light of
-//! the pixel alone: direct light, which is not in the buckets, would only hide more. The light is complete for the eye when that is
-//! so in no more than [`TOLERATED`] of the pixels, and stays so.
+//! Visible error and FLIP are of the raw buckets; what could be noticed is of the light as frames show it ([`crate::onlooker`]), held against the drained
+//! light, and beside it what was foreseen without that. The light is complete for the eye when it is so and stays so.
 
 use super::{Chapter, OrderArgument};
-use crate::{failure::Failure, masking::Maskings, output::say, progress};
-use lightmend_perception::{compare, threshold_step};
+use crate::{
+    failure::Failure,
+    indirect::IndirectLight,
+    masking::Maskings,
+    onlooker::{Onlooker, TOLERATED, TOLERATED_FORESEEN},
+    output::say,
+    progress,
+};
+use lightmend_perception::compare;
 use lightmend_photon::{
     bucket::Buckets,
     course::Course,
@@ -15,9 +20,10 @@ use lightmend_photon::{
     irradiance::Scale,
     ledger::LedgerSolution,
     solution::Solution,
-    visible::{Frustum, Visible},
+    visible::{Frustum, Seen, Visible},
+    world::World,
 };
-use lightmend_scene::{View, luminance};
+use lightmend_scene::View;
 use serde_json::{Value, json};
 use std::{
     io::Write,
@@ -25,11 +31,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Share of the picture's pixels in which an error may be noticed that counts as none.
-const TOLERATED: f64 = 1e-3;
-
 /// From one look to the next so much more work is done.
 const SPACING: f64 = 1.1;
+
+/// But no more than this share of all work.
+const CLOSEST: f64 = 0.02;
+
+/// A way to tell what matters to a camera.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Way {
+    /// Nothing: by P alone, or shuffled.
+    P,
+    /// Hits in the frustum.
+    V,
+    /// The same ÷ T_e.
+    VMasked,
+    /// The item buffer.
+    Items,
+    /// The same ÷ T_e.
+    ItemsMasked,
+}
+
+impl Way {
+    fn name(self) -> &'static str {
+        match self {
+            Way::P => "P",
+            Way::V => "V",
+            Way::VMasked => "V 1/Te",
+            Way::Items => "items",
+            Way::ItemsMasked => "items 1/Te",
+        }
+    }
+}
 
 /// What a camera saw of an order that went by a way to tell what matters.
 pub struct Sight {
@@ -49,6 +82,8 @@ struct Moment {
     flip: f64,
     /// Share of the pixels in which the error could be noticed.
     noticed: f64,
+    /// The same as foreseen without the drained light, where the order can.
+    foreseen: Option<f64>,
 }
 
 impl Sight {
@@ -63,64 +98,66 @@ impl Sight {
         let last = self.moments.iter().rposition(|m| m.noticed > TOLERATED);
         self.moments.get(last.map_or(0, |last| last + 1))
     }
+
+    /// When that was foreseen first, if it was before the light was exact.
+    fn foreseen(&self) -> Option<&Moment> {
+        let before = &self.moments[..self.moments.len().saturating_sub(1)];
+        before.iter().find(|m| m.foreseen.is_some_and(|share| share <= TOLERATED_FORESEEN))
+    }
 }
 
 /// What a camera sees of the drained light.
 struct Eye<'a> {
-    visible: &'a Visible,
+    onlooker: &'a Onlooker,
+    world: &'a World,
     scale: &'a Scale,
     right: Vec<[f32; 3]>,
+    /// As it is shown.
     luminances: Vec<f64>,
-    /// Steps of luminance that can be noticed, by what is seen.
-    thresholds: Vec<f64>,
     exposure: f32,
     picture: image::RgbImage,
 }
 
 impl<'a> Eye<'a> {
-    fn new(visible: &'a Visible, scale: &'a Scale, drained: &Buckets, elevations: &[f64]) -> Eye<'a> {
-        let right = visible.values(drained, scale);
-        let mut eye = Eye {
-            visible,
-            scale,
-            luminances: luminances(visible, &right),
-            thresholds: Vec::new(),
-            exposure: 1.0,
-            picture: image::RgbImage::default(),
-            right,
-        };
-        eye.thresholds = eye.luminances.iter().zip(elevations).map(|(l, elevation)| threshold_step(*l) * elevation).collect();
+    fn new(onlooker: &'a Onlooker, world: &'a World, scale: &'a Scale, drained: &Buckets, reader: &mut IndirectLight) -> Eye<'a> {
+        let right = onlooker.visible().values(drained, scale);
         // A tenth of the picture is brighter than white.
-        let mut sorted = eye.luminances.clone();
+        let mut sorted = onlooker.luminances(&right);
         sorted.sort_by(f64::total_cmp);
         let high = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(1.0);
-        eye.exposure = (1.0 / high.max(1e-9)) as f32;
+        let exposure = (1.0 / high.max(1e-9)) as f32;
+        let luminances = onlooker.shown(reader, world.configuration(), drained, scale);
+        let mut eye = Eye { onlooker, world, scale, right, luminances, exposure, picture: image::RgbImage::default() };
         eye.picture = eye.draw(&eye.right);
         eye
     }
 
     fn draw(&self, values: &[[f32; 3]]) -> image::RgbImage {
-        let radiance = self.visible.radiance(values);
-        let (width, height, pixels) = self.visible.picture();
+        let radiance = self.onlooker.visible().radiance(values);
+        let (width, height, pixels) = self.onlooker.visible().picture();
         let byte = |v: f32| ((v * self.exposure).clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8;
         let bytes: Vec<u8> = pixels.flat_map(|seen| seen.map_or([0; 3], |seen| radiance[seen].to_array().map(byte))).collect();
         image::RgbImage::from_raw(width, height, bytes).unwrap_or_default()
     }
 
-    /// Visible error, FLIP and the share of pixels in which the error could be noticed.
-    fn look(&self, light: &Buckets) -> Result<(f64, f64, f64), Failure> {
-        let values = self.visible.values(light, self.scale);
+    /// After so many rays and seconds; the visible error is not divided by the first one yet.
+    fn look(&self, course: &Course, reader: &mut IndirectLight, rays: u64, clock: Duration) -> Result<Moment, Failure> {
+        let (light, configuration) = (course.light(), self.world.configuration());
+        let visible = self.onlooker.visible();
+        let values = visible.values(light, self.scale);
         let flip = compare(&self.picture, &self.draw(&values)).map_err(Failure::failed)?.mean;
-        let now = luminances(self.visible, &values);
-        let noticed = |seen: usize| (now[seen] - self.luminances[seen]).abs() > self.thresholds[seen];
-        let (width, height, pixels) = self.visible.picture();
-        let count = pixels.flatten().filter(|seen| noticed(*seen)).count();
-        Ok((self.visible.difference(&values, &self.right), flip, count as f64 / f64::from(width * height)))
+        let now = self.onlooker.shown(reader, configuration, light, self.scale);
+        let pending = course.pending();
+        let foreseen = pending.map(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
+        Ok(Moment {
+            rays,
+            seconds: clock.as_secs_f64(),
+            visible: visible.difference(&values, &self.right),
+            flip,
+            noticed: self.onlooker.noticed(&now, &self.luminances),
+            foreseen,
+        })
     }
-}
-
-fn luminances(visible: &Visible, values: &[[f32; 3]]) -> Vec<f64> {
-    visible.radiance(values).iter().map(|radiance| luminance(radiance.as_dvec3())).collect()
 }
 
 /// Follows the recovery from `start` to the light of `end`, once for each camera, order and way to tell what matters. Empty if interrupted.
@@ -130,6 +167,7 @@ pub fn follow(
     ledger: Option<&LedgerSolution>,
     end: &Solution,
     orders: &[OrderArgument],
+    ways: &[Way],
     quiet: bool,
 ) -> Result<Vec<Sight>, Failure> {
     let world = start.world().moved_to(end.world().configuration());
@@ -137,27 +175,24 @@ pub fn follow(
     let configuration = world.configuration();
     let scale = Scale::new(&world, end.pool().photons());
     let mut sights = Vec::new();
+    let mut reader = IndirectLight::default();
     for (camera, view) in &configuration.scene().cameras {
-        let visible = Visible::new(&world, view);
-        let mut elevation = |object: usize, t, footprint| maskings.elevation(configuration.object(object), t, footprint);
-        let elevations: Vec<f64> = visible.seen().map(|s| elevation(s.object, s.triangle, s.footprint)).collect();
-        let eye = Eye::new(&visible, &scale, end.buckets(), &elevations);
-        let sides = Gaze::Sides(visible.importance(&world, |_| 1.0).into());
-        let masked_sides = Gaze::Sides(visible.importance(&world, |s| elevation(s.object, s.triangle, s.footprint)).into());
-        let gazes = gazes(maskings, configuration, view, sides, masked_sides);
+        let onlooker = Onlooker::new(&world, view, maskings);
+        let eye = Eye::new(&onlooker, &world, &scale, end.buckets(), &mut reader);
         for order in orders {
-            for (name, gaze) in &gazes {
+            for way in ways {
                 let course = match order {
                     // Hits in the frustum were worse for a ledger than no order.
-                    OrderArgument::Ledger if name.starts_with('V') => None,
+                    OrderArgument::Ledger if matches!(way, Way::V | Way::VMasked) => None,
                     OrderArgument::Ledger => ledger.map(Course::ledger),
                     OrderArgument::Stateless => Some(Course::stateless(start)),
                     OrderArgument::Random | OrderArgument::Oracle | OrderArgument::Restart => None,
                 };
                 let Some(mut course) = course else { continue };
                 let order = if matches!(order, OrderArgument::Ledger) { "ledger" } else { "stateless" };
+                let (name, gaze) = (way.name(), gaze(*way, maskings, &world, view, onlooker.visible()));
                 let bar = progress::bar(1000, &format!("{camera}, {order}, {name}"), quiet);
-                let moments = watch(&mut course, gaze.as_ref(), &world, &eye, &bar)?;
+                let moments = watch(&mut course, gaze.as_ref(), &world, &eye, &mut reader, &bar)?;
                 bar.finish_and_clear();
                 if progress::interrupted() {
                     return Ok(Vec::new());
@@ -169,42 +204,37 @@ pub fn follow(
     Ok(sights)
 }
 
-/// The ways to tell what matters.
-fn gazes(
-    maskings: &mut Maskings,
-    configuration: &lightmend_scene::Configuration,
-    view: &View,
-    sides: Gaze,
-    masked_sides: Gaze,
-) -> Vec<(&'static str, Option<Gaze>)> {
-    let frustum = Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
-    let unmasked = Arc::new(maskings.unmasked(configuration, view));
-    vec![
-        ("P", None),
-        ("V", Some(Gaze::Frustum(frustum))),
-        ("V 1/Te", Some(Gaze::Masked(frustum, unmasked))),
-        ("items", Some(sides)),
-        ("items 1/Te", Some(masked_sides)),
-    ]
+/// What matters to a camera that sees this.
+fn gaze(way: Way, maskings: &mut Maskings, world: &World, view: &View, visible: &Visible) -> Option<Gaze> {
+    let configuration = world.configuration();
+    let frustum = || Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
+    let elevation = |seen: &Seen| maskings.elevation(configuration.object(seen.object), seen.triangle, seen.footprint);
+    match way {
+        Way::P => None,
+        Way::V => Some(Gaze::Frustum(frustum())),
+        Way::VMasked => Some(Gaze::Masked(frustum(), Arc::new(maskings.unmasked(configuration, view)))),
+        Way::Items => Some(Gaze::Sides(visible.importance(world, |_| 1.0).into())),
+        Way::ItemsMasked => Some(Gaze::Sides(visible.importance(world, elevation).into())),
+    }
 }
 
 fn watch(
     course: &mut Course,
     gaze: Option<&Gaze>,
-    world: &Arc<lightmend_photon::world::World>,
+    world: &Arc<World>,
     eye: &Eye,
+    reader: &mut IndirectLight,
     bar: &indicatif::ProgressBar,
 ) -> Result<Vec<Moment>, Failure> {
     let refused = |e| Failure::failed(format!("the ledger has no room for it: {e}"));
     let start = Instant::now();
     course.change(world.clone()).map_err(refused)?;
+    course.watch();
     if let Some(gaze) = gaze {
         course.look(gaze);
     }
     let mut clock: Duration = start.elapsed();
-    let (first, flip, noticed) = eye.look(course.light())?;
-    let share = |visible: f64| if first > 0.0 { visible / first } else { 0.0 };
-    let mut moments = vec![Moment { rays: 0, seconds: 0.0, visible: share(first), flip, noticed }];
+    let mut moments = vec![eye.look(course, reader, 0, Duration::ZERO)?];
     let (mut rays, mut next) = (0, 1.0);
     loop {
         let start = Instant::now();
@@ -213,12 +243,14 @@ fn watch(
         let done = step.is_none();
         rays += step.map_or(0, |step| step.work.rays);
         if done || rays as f64 >= next {
-            let (visible, flip, noticed) = eye.look(course.light())?;
-            moments.push(Moment { rays, seconds: clock.as_secs_f64(), visible: share(visible), flip, noticed });
-            next = rays as f64 * SPACING;
+            moments.push(eye.look(course, reader, rays, clock)?);
+            let whole = rays as f64 / course.share();
+            next = (rays as f64 * SPACING).min(rays as f64 + CLOSEST * whole);
             bar.set_position((course.share() * 1000.0) as u64);
         }
         if done || progress::interrupted() {
+            let first = moments[0].visible;
+            moments.iter_mut().for_each(|m| m.visible = if first > 0.0 { m.visible / first } else { 0.0 });
             return Ok(moments);
         }
     }
@@ -230,15 +262,16 @@ pub fn print(sights: &[Sight]) {
         return;
     }
     say(&format!(
-        "{:<16} {:<10} {:<11} {:>8} {:>8} {:>9}  {:>18}  {:>16}",
-        "camera", "order", "by", "visible", "FLIP", "noticed", "eye / exact, rays", "seconds"
+        "{:<16} {:<10} {:<11} {:>8} {:>8} {:>9}  {:>29}  {:>25}",
+        "camera", "order", "by", "visible", "FLIP", "noticed", "eye / foreseen / exact, rays", "seconds"
     ));
     for sight in sights {
         let (eye, exact) = (sight.complete(), sight.moments.last());
+        let foreseen = sight.foreseen().or(exact);
         let rays = |m: Option<&Moment>| m.map_or(0, |m| m.rays);
         let seconds = |m: Option<&Moment>| m.map_or(0.0, |m| m.seconds);
         say(&format!(
-            "{:<16} {:<10} {:<11} {:>8.4} {:>8.5} {:>8.3}%  {:>8} /{:>8}  {:>7.3} /{:>7.3}",
+            "{:<16} {:<10} {:<11} {:>8.4} {:>8.5} {:>8.3}%  {:>8} /{:>8} /{:>8}  {:>7.3} /{:>7.3} /{:>7.3}",
             sight.camera,
             sight.order,
             sight.gaze,
@@ -246,8 +279,10 @@ pub fn print(sights: &[Sight]) {
             sight.area(|m| m.flip),
             sight.area(|m| m.noticed) * 100.0,
             rays(eye),
+            rays(foreseen),
             rays(exact),
             seconds(eye),
+            seconds(foreseen),
             seconds(exact)
         ));
     }
@@ -255,7 +290,7 @@ pub fn print(sights: &[Sight]) {
 
 /// Areas under the curves, and when the light was complete for the eye and exact.
 pub fn json(sights: &[Sight]) -> Value {
-    let moment = |m: &Moment| json!({ "rays": m.rays, "seconds": m.seconds });
+    let moment = |m: &Moment| json!({ "rays": m.rays, "seconds": m.seconds, "noticed": m.noticed });
     sights
         .iter()
         .map(|sight| {
@@ -263,7 +298,7 @@ pub fn json(sights: &[Sight]) -> Value {
                 "camera": sight.camera, "order": sight.order, "by": sight.gaze,
                 "area_visible_error": sight.area(|m| m.visible), "area_flip": sight.area(|m| m.flip),
                 "area_noticed": sight.area(|m| m.noticed),
-                "complete_for_the_eye": sight.complete().map(moment), "exact": sight.moments.last().map(moment),
+                "complete_for_the_eye": sight.complete().map(moment), "foreseen": sight.foreseen().map(moment), "exact": sight.moments.last().map(moment),
             })
         })
         .collect()
@@ -271,11 +306,15 @@ pub fn json(sights: &[Sight]) -> Value {
 
 /// views.csv: a line per look.
 pub fn write_csv(out: &mut impl Write, chapters: &[Chapter]) -> std::io::Result<()> {
-    writeln!(out, "edit,camera,order,by,rays,seconds,visible_error,flip,noticed")?;
+    writeln!(out, "edit,camera,order,by,rays,seconds,visible_error,flip,noticed,foreseen")?;
     for (number, chapter) in chapters.iter().enumerate() {
         for Sight { camera, order, gaze, moments } in &chapter.views {
-            for Moment { rays, seconds, visible, flip, noticed } in moments {
-                writeln!(out, "{number},{camera},{order},{gaze},{rays},{seconds:.6},{visible:.6},{flip:.6},{noticed:.6}")?;
+            for Moment { rays, seconds, visible, flip, noticed, foreseen } in moments {
+                let foreseen = foreseen.map_or_else(String::new, |share| format!("{share:.6}"));
+                writeln!(
+                    out,
+                    "{number},{camera},{order},{gaze},{rays},{seconds:.6},{visible:.6},{flip:.6},{noticed:.6},{foreseen}"
+                )?;
             }
         }
     }

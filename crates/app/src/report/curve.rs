@@ -2,7 +2,7 @@
 //! measured.
 
 use super::judge::{Errors, Judge};
-use crate::{failure::Failure, progress};
+use crate::{failure::Failure, onlooker::TOLERATED, progress};
 use lightmend_photon::{course::Course, ledger::Refused, shooting::Work, world::World};
 use std::{
     sync::Arc,
@@ -40,6 +40,8 @@ pub struct Point {
     pub seconds: f64,
     /// By each way to read the light.
     pub errors: Vec<Errors>,
+    /// Share of the first camera's pixels in which one could notice that the light is not exact yet.
+    pub noticed: Option<f64>,
 }
 
 /// A way to exact light that was looked at.
@@ -68,6 +70,13 @@ impl Track {
     /// The last checkpoint.
     pub fn drained(&self) -> Option<&Point> {
         self.points.last()
+    }
+
+    /// From which checkpoint on the light is complete for the eye; `None` without a camera.
+    pub fn complete_for_the_eye(&self) -> Option<&Point> {
+        self.points.first()?.noticed?;
+        let above = self.points.iter().rposition(|point| point.noticed.is_some_and(|share| share > TOLERATED));
+        self.points.get(above.map_or(0, |above| above + 1))
     }
 
     /// From when on nRMSE is at most [`NEAR`] times that of the drained light: between two checkpoints in proportion.
@@ -122,7 +131,8 @@ pub fn follow(
     }
     // What is seen before any work costs no time.
     let errors = judge.errors(course.light(), course.photons_shot(), true)?;
-    let mut points = vec![Point { work, replayed, seconds: 0.0, errors }];
+    let noticed = judge.noticed(course.light(), course.photons_shot());
+    let mut points = vec![Point { work, replayed, seconds: 0.0, errors, noticed }];
     let mut next = 1.0;
     loop {
         let start = Instant::now();
@@ -143,7 +153,8 @@ pub fn follow(
         let is_last = course.share() >= 1.0;
         if work.rays as f64 >= next || is_last {
             let errors = judge.errors(course.light(), course.photons_shot(), is_last || points.len() % FRAMES == 0)?;
-            points.push(Point { work, replayed, seconds: clock.as_secs_f64(), errors });
+            let noticed = judge.noticed(course.light(), course.photons_shot());
+            points.push(Point { work, replayed, seconds: clock.as_secs_f64(), errors, noticed });
             next = work.rays as f64 * SPACING;
         }
     }

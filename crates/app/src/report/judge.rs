@@ -5,7 +5,7 @@ use super::{
     jobs::{FIRST_HITS, Job},
     readout::READOUTS,
 };
-use crate::{failure::Failure, indirect::IndirectLight, progress};
+use crate::{failure::Failure, indirect::IndirectLight, masking::Maskings, onlooker::Onlooker, progress};
 use lightmend_photon::{
     accuracy::{Measures, Reference, without_own},
     balance::Balance,
@@ -13,7 +13,6 @@ use lightmend_photon::{
     bucket::Buckets,
     irradiance::Scale,
     solution::Solution,
-    visible::Visible,
     world::World,
 };
 use lightmend_raster::Renderer;
@@ -36,6 +35,8 @@ pub struct Instruments {
     pub renderer: Option<Renderer>,
     /// Keeps how the surfaces hang together.
     pub reader: IndirectLight,
+    /// Keeps what textures hide.
+    pub maskings: Maskings,
 }
 
 /// Judges the light of a state.
@@ -49,9 +50,11 @@ pub struct Judge<'a> {
 
 /// What the first camera sees of the reference, and its own visible error.
 struct Seen {
-    visible: Visible,
+    onlooker: Onlooker,
     right: Vec<[f32; 3]>,
     own: f64,
+    /// Luminance of the drained light, as it is shown; empty until that is known.
+    drained: Vec<f64>,
 }
 
 impl<'a> Judge<'a> {
@@ -71,12 +74,13 @@ impl<'a> Judge<'a> {
         let Some(reference) = reference? else { return Ok(None) };
         let view = job.scene.cameras.first().map(|(_, view)| *view);
         let visible = view.map(|view| {
-            let visible = Visible::new(world, &view);
+            let onlooker = Onlooker::new(world, &view, &mut instruments.maskings);
+            let visible = onlooker.visible();
             let right = visible.values_of(&reference.field);
             let own = visible.difference(&visible.values_of(&reference.off), &right);
-            Seen { visible, right, own }
+            Seen { onlooker, right, own, drained: Vec::new() }
         });
-        let Instruments { renderer, reader } = instruments;
+        let Instruments { renderer, reader, .. } = instruments;
         let frames = match (view, renderer) {
             (Some(view), Some(renderer)) => Frames::new(renderer, world, view, &reference, reader)?,
             _ => None,
@@ -97,10 +101,35 @@ impl<'a> Judge<'a> {
                 let visible = self
                     .visible
                     .as_ref()
-                    .map(|Seen { visible, right, own }| without_own(visible.difference(&visible.values_of(&field), right), *own));
+                    .map(|Seen { onlooker, right, own, .. }| (onlooker.visible(), right, own))
+                    .map(|(visible, right, own)| without_own(visible.difference(&visible.values_of(&field), right), *own));
                 Ok(Errors { measures: self.reference.measure(&field), visible, flip })
             })
             .collect()
+    }
+
+    /// This is the exact light of the state, of so many photons.
+    pub fn ends_with(&mut self, light: &Buckets, photons: u64) {
+        let scale = Scale::new(self.world, photons);
+        if let Some(seen) = &mut self.visible {
+            seen.drained = seen.onlooker.shown(self.reader, self.world.configuration(), light, &scale);
+        }
+    }
+
+    /// Share of the pixels of the first camera in which one could notice that this is not the exact light; `None` without a camera.
+    pub fn noticed(&mut self, light: &Buckets, photons: u64) -> Option<f64> {
+        let scale = Scale::new(self.world, photons);
+        let seen = self.visible.as_ref()?;
+        let now = seen.onlooker.shown(self.reader, self.world.configuration(), light, &scale);
+        Some(seen.onlooker.noticed(&now, &seen.drained))
+    }
+
+    /// Maps of what could be noticed, and where it can be in this light.
+    pub fn map(&mut self, light: &Buckets, photons: u64) -> Result<Option<image::RgbImage>, Failure> {
+        let scale = Scale::new(self.world, photons);
+        let Some(seen) = &self.visible else { return Ok(None) };
+        let now = seen.onlooker.shown(self.reader, self.world.configuration(), light, &scale);
+        seen.onlooker.map(&now, &seen.drained).map(Some)
     }
 
     /// The reference's own errors.

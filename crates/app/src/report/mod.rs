@@ -18,6 +18,7 @@ use crate::{
     Common, PoolArguments,
     failure::Failure,
     indirect::IndirectLight,
+    masking::Maskings,
     output::{self, say},
     progress,
     replay::without_doubles,
@@ -76,7 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let out = output::folder(&arguments.out, &["index.html", "table.csv", "curves.csv", "summary.json"].map(str::to_owned))?;
     let machine = Machine { threads: rayon::current_num_threads(), processor: processor() };
 
-    let mut instruments = Instruments { renderer: frames::renderer(common), reader: IndirectLight::default() };
+    let mut instruments =
+        Instruments { renderer: frames::renderer(common), reader: IndirectLight::default(), maskings: Maskings::new() };
     let mut sections = Vec::new();
     for job in jobs {
         if progress::interrupted() {

@@ -6,7 +6,7 @@ use super::{
     plot::{Figures, note},
     readout::READOUTS,
     state::State,
-    table::{percent, seconds},
+    table::{eye, percent, seconds},
 };
 use std::io::{self, Write};
 
@@ -22,7 +22,9 @@ const WORDS: &str = "<p>Errors are of indirect irradiance, over both sides of al
     reference exceeds 5 % of its mean; relMSE and both are of illuminance. <b>Visible error</b>: nRMSE over the pixels of the scene's first camera. <b>FLIP</b>: mean of the error map \
     of that camera's frame against the frame that the reference lights, at the same exposure.</p>\
     <p><b>Near</b>: seconds of work until nRMSE is at most 1.1 times that of the exact light, and stays so; 0 where the old light already is. \
-    <b>Exact</b>: seconds until every integer bucket is that of a fresh solution of the edited scene. The clock stands still while errors are measured. \
+    <b>Eye</b>: seconds until complete for the eye: until, at a checkpoint, one could notice in no more than one pixel in a thousand of the first camera's picture that the reconstructed light is not \
+    the exact one, and so it stays. The step of luminance that is just noticed is that of Ward Larson et al. 1997 times the threshold elevation of the texture there; \
+    files that end in _noticed.png map it, and where the old light can be told by it. <b>Exact</b>: seconds until every integer bucket is that of a fresh solution of the edited scene. The clock stands still while errors are measured. \
     <b>ledger</b> replays recorded paths; <b>stateless</b> is Algorithm 1 of Dmitriev et al. 2002; <b>random</b> re-tests all photons in \
     random order; <b>restart</b> starts over from nothing. One run each: seconds vary by some per cent, all else does not.</p>";
 
@@ -71,7 +73,7 @@ pub fn write(out: &mut impl Write, machine: &Machine, sections: &[Section], figu
 fn overview(out: &mut impl Write, section: &Section, readout: usize) -> io::Result<()> {
     let edits = || section.states.iter().filter(|state| state.edit.is_some());
     let Some(first) = edits().next() else { return Ok(()) };
-    writeln!(out, "<table><tr><th>edit: near / exact, {}</th>", READOUTS[readout].name)?;
+    writeln!(out, "<table><tr><th>edit: near / eye / exact, {}</th>", READOUTS[readout].name)?;
     for track in &first.tracks {
         writeln!(out, "<th>{}</th>", track.order)?;
     }
@@ -81,7 +83,7 @@ fn overview(out: &mut impl Write, section: &Section, readout: usize) -> io::Resu
         for known in &first.tracks {
             let cell = |track: &Track| {
                 let near = track.near_drained(readout).map_or("–".into(), |near| seconds(near.seconds));
-                format!("{near} / {}", track.drained().map_or("–".into(), |last| seconds(last.seconds)))
+                format!("{near} / {} / {}", eye(track), track.drained().map_or("–".into(), |last| seconds(last.seconds)))
             };
             let track = state.tracks.iter().find(|track| track.order == known.order);
             writeln!(out, "<td>{}</td>", track.map_or("–".into(), cell))?;
@@ -102,7 +104,7 @@ fn chapter(out: &mut impl Write, machine: &Machine, section: &Section, state: &S
     for (n, readout) in READOUTS.iter().enumerate() {
         writeln!(
             out,
-            "<table><tr><th>{}</th><th>near</th><th>exact</th><th>rays</th><th>nRMSE</th><th>relMSE</th><th>median</th>\
+            "<table><tr><th>{}</th><th>near</th><th>eye</th><th>exact</th><th>rays</th><th>nRMSE</th><th>relMSE</th><th>median</th>\
              <th>95th percentile</th><th>visible error</th><th>FLIP</th><th>bits</th></tr>",
             readout.name
         )?;
@@ -112,10 +114,11 @@ fn chapter(out: &mut impl Write, machine: &Machine, section: &Section, state: &S
             let m = &errors.measures;
             writeln!(
                 out,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.5}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
                  <td>{}</td></tr>",
                 track.order,
                 track.near_drained(n).map_or("–".into(), |near| seconds(near.seconds)),
+                eye(track),
                 seconds(last.seconds),
                 last.work.rays,
                 percent(m.nrmse),

@@ -10,6 +10,7 @@ use super::{
 use crate::{
     failure::Failure,
     figure::{self, Axes, BOUND, Curve, Panel},
+    output,
 };
 use std::path::Path;
 
@@ -45,7 +46,7 @@ struct Effort {
 
 const EFFORTS: [Effort; 2] = [Effort { name: "rays", of: |p| p.work.rays as f64 }, Effort { name: "seconds", of: |p| p.seconds }];
 
-/// Writes each state's figures as SVG and PNG; returns them in order.
+/// Writes each state's figures as SVG and PNG, and its map of what could be noticed as PNG; returns the figures in order.
 pub fn write(out: &Path, machine: &Machine, sections: &[Section]) -> Result<Vec<Figures>, Failure> {
     let mut all = Vec::new();
     for section in sections {
@@ -59,6 +60,9 @@ pub fn write(out: &Path, machine: &Machine, sections: &[Section]) -> Result<Vec<
             };
             let nrmse = draw(&format!("{stem}_nrmse"), &[NRMSE])?;
             let others = draw(&format!("{stem}_others"), &OTHERS)?;
+            if let Some(map) = &state.map {
+                output::png(&out.join(format!("{stem}_noticed.png")), map)?;
+            }
             all.push(Figures { nrmse, others });
         }
     }

@@ -36,6 +36,8 @@ pub struct State {
     pub balanced: bool,
     /// The orders.
     pub tracks: Vec<Track>,
+    /// What could be noticed from the first camera, and where it can be before any repair.
+    pub map: Option<image::RgbImage>,
 }
 
 impl State {
@@ -132,6 +134,12 @@ impl Measurer<'_> {
     ) -> Result<Option<(State, Drained)>, Failure> {
         let quiet = self.common.quiet;
         let Some((fresh, balance)) = fresh(self.job, world, quiet) else { return Ok(None) };
+        judge.ends_with(fresh.buckets(), fresh.pool().photons());
+        let old = courses.iter().find(|(order, _)| *order != OrderArgument::Restart.name()).or(courses.first());
+        let map = match old {
+            Some((_, course)) => judge.map(course.light(), course.photons_shot())?,
+            None => None,
+        };
         let (mut tracks, mut drained, mut kept) = (Vec::new(), None, None);
         for (order, course) in courses {
             let (points, course) = match follow(course, after, judge, &format!("{title}, {order}"), quiet)? {
@@ -157,7 +165,7 @@ impl Measurer<'_> {
             && balance.is_held_by(fresh.buckets())
             && ends.map(|end| end as u64) == [balance.absorbed, balance.escaped, balance.cut];
         let reference = (judge.reference_photons(), judge.own());
-        Ok(Some((State { edit, title, reference, balance, balanced, tracks }, (drained, kept))))
+        Ok(Some((State { edit, title, reference, balance, balanced, tracks, map }, (drained, kept))))
     }
 
     fn leave_ledger_out(&self, refused: &Refused) {

@@ -8,6 +8,7 @@ use super::{
     readout::READOUTS,
     state::State,
 };
+use lightmend_photon::shooting::Work;
 use serde_json::{Map, Value, json};
 use std::io::Write;
 
@@ -26,6 +27,11 @@ pub fn seconds(value: f64) -> String {
     }
 }
 
+/// Seconds until complete for the eye.
+pub fn eye(track: &Track) -> String {
+    track.complete_for_the_eye().map_or("–".into(), |point| seconds(point.seconds))
+}
+
 /// Tables of a state, one for each way to read the light.
 pub fn text(job: &Job, state: &State) -> String {
     let (photons, own) = &state.reference;
@@ -39,13 +45,14 @@ pub fn text(job: &Job, state: &State) -> String {
         ),
     ];
     for (n, readout) in READOUTS.iter().enumerate() {
-        let columns = ["near", "exact", "nRMSE first", "last", "visible", "FLIP"].map(|c| format!("{c:>12}")).concat();
+        let columns = ["near", "eye", "exact", "nRMSE first", "last", "visible", "FLIP"].map(|c| format!("{c:>12}")).concat();
         lines.push(format!("{:<14}{columns}  bits", readout.name));
         for track in &state.tracks {
             let (Some(first), Some(last)) = (track.points.first(), track.drained()) else { continue };
             let Errors { measures, visible, flip } = &last.errors[n];
             let cells = [
                 track.near_drained(n).map_or("-".into(), |near| seconds(near.seconds)),
+                eye(track),
                 seconds(last.seconds),
                 percent(first.errors[n].measures.nrmse),
                 percent(measures.nrmse),
@@ -88,7 +95,9 @@ fn track_json(track: &Track) -> Value {
             (readout.name.to_owned(), json!({ "near_drained": near, "drained": drained, "curve": curve }))
         })
         .collect();
-    json!({ "bit_equal_to_fresh": track.bit_equal, "readouts": readouts })
+    let eye = track.complete_for_the_eye().map(|point| json!({ "seconds": point.seconds, "rays": point.work.rays }));
+    let noticed: Vec<Option<f64>> = track.points.iter().map(|point| point.noticed).collect();
+    json!({ "bit_equal_to_fresh": track.bit_equal, "readouts": readouts, "complete_for_the_eye": eye, "noticed": noticed })
 }
 
 /// A scene's part of summary.json.
@@ -150,7 +159,7 @@ fn each(sections: &[Section]) -> impl Iterator<Item = (String, &Track, usize)> {
 pub fn write_table(out: &mut impl Write, sections: &[Section]) -> std::io::Result<()> {
     writeln!(
         out,
-        "scene,script,edit,order,readout,seconds_near_drained,rays_near_drained,seconds,rays,bit_equal_to_fresh,{ERRORS}"
+        "scene,script,edit,order,readout,seconds_near_drained,rays_near_drained,seconds_complete_for_the_eye,seconds,rays,bit_equal_to_fresh,{ERRORS}"
     )?;
     for (key, track, n) in each(sections) {
         let near = track.near_drained(n);
@@ -158,8 +167,8 @@ pub fn write_table(out: &mut impl Write, sections: &[Section]) -> std::io::Resul
             (optional(near.map(|n| n.seconds)), near.map_or(String::new(), |n| format!("{:.0}", n.rays)));
         if let Some(Point { work, seconds, errors, .. }) = track.drained() {
             let (order, readout, errors) = (track.order, READOUTS[n].name, errors_csv(&errors[n]));
-            let bits = track.bit_equal;
-            writeln!(out, "{key},{order},{readout},{near_seconds},{near_rays},{seconds:.6},{},{bits},{errors}", work.rays)?;
+            let (bits, eye) = (track.bit_equal, optional(track.complete_for_the_eye().map(|point| point.seconds)));
+            writeln!(out, "{key},{order},{readout},{near_seconds},{near_rays},{eye},{seconds:.6},{},{bits},{errors}", work.rays)?;
         }
     }
     Ok(())
@@ -167,11 +176,12 @@ pub fn write_table(out: &mut impl Write, sections: &[Section]) -> std::io::Resul
 
 /// curves.csv: a line per checkpoint.
 pub fn write_curves(out: &mut impl Write, sections: &[Section]) -> std::io::Result<()> {
-    writeln!(out, "scene,script,edit,order,readout,photons,rays,replayed,seconds,{ERRORS}")?;
+    writeln!(out, "scene,script,edit,order,readout,photons,rays,replayed,seconds,{ERRORS},noticed")?;
     for (key, track, n) in each(sections) {
-        for Point { work, replayed, seconds, errors } in &track.points {
+        for Point { work, replayed, seconds, errors, noticed } in &track.points {
             let (order, readout, errors) = (track.order, READOUTS[n].name, errors_csv(&errors[n]));
-            writeln!(out, "{key},{order},{readout},{},{},{replayed},{seconds:.6},{errors}", work.photons, work.rays)?;
+            let (Work { photons, rays }, noticed) = (work, optional(*noticed));
+            writeln!(out, "{key},{order},{readout},{photons},{rays},{replayed},{seconds:.6},{errors},{noticed}")?;
         }
     }
     Ok(())

@@ -280,6 +280,7 @@ impl Desk {
         let changed = if self.session.is_changed() { "*" } else { "" };
         let light = match self.session.light.ready() {
             Some(ready) if self.session.is_exact(&ready.snapshot) => "exact".to_owned(),
+            Some(ready) if self.session.is_complete_for_the_eye(&ready) => "complete for the eye".to_owned(),
             Some(ready) if self.session.solver.controls().paused => {
                 format!("paused, {:.0} % outstanding", panels::outstanding_percent(&ready))
             }

@@ -10,6 +10,8 @@ use crate::{
     failure::Failure,
     frames::Show,
     indirect::{IndirectLight, drawn},
+    masking::Maskings,
+    onlooker::{Onlooker, TOLERATED_FORESEEN},
 };
 use lightmend_photon::{
     body::TreePreset,
@@ -37,6 +39,8 @@ pub struct Ready {
     pub indirect: Indirect,
     /// The estimated median of the relative error of indirect illuminance.
     pub median_error: f64,
+    /// Whether, as far as can be foreseen, nobody who looks from here will see the rest of the repair.
+    pub complete_for_the_eye: bool,
     /// How the last edit is being repaired.
     pub trace: Trace,
 }
@@ -178,6 +182,9 @@ struct Reader<'a> {
     pool: Pool,
     light: IndirectLight,
     recovery: Recovery,
+    maskings: Maskings,
+    /// Who looks at which world from where.
+    onlooker: Option<(Arc<World>, View, Onlooker)>,
     /// When it was estimated last.
     median_error: (Option<Instant>, f64),
     /// For what is still wrong: a pool shot at the newest scene.
@@ -192,6 +199,8 @@ impl<'a> Reader<'a> {
             pool,
             light: IndirectLight::default(),
             recovery: Recovery::default(),
+            maskings: Maskings::new(),
+            onlooker: None,
             median_error: (None, 0.0),
             exact: None,
         }
@@ -264,8 +273,29 @@ impl<'a> Reader<'a> {
             }
         };
         let current = snapshot.edits >= wanted.edits;
-        let trace = self.recovery.look(wanted.action, wanted.edited, current, wanted.view, &snapshot, &scale);
-        Ready { snapshot, indirect, median_error: self.median_error.1, trace }
+        let complete_for_the_eye = self.is_complete_for_the_eye(wanted.view, &snapshot);
+        let trace =
+            self.recovery.look(wanted.action, wanted.edited, current, complete_for_the_eye, wanted.view, &snapshot, &scale);
+        Ready { snapshot, indirect, median_error: self.median_error.1, complete_for_the_eye, trace }
+    }
+
+    /// Whether what a repair will still bring will not be seen.
+    fn is_complete_for_the_eye(&mut self, view: View, snapshot: &Snapshot) -> bool {
+        let Some(pending) = &snapshot.pending else {
+            self.onlooker = None;
+            return false;
+        };
+        // Of more than was repaired too little is known.
+        if pending.ratio() > 1.0 {
+            return false;
+        }
+        let Snapshot { world, buckets, scale, .. } = snapshot;
+        let known = self.onlooker.take().filter(|(known, from, _)| Arc::ptr_eq(known, world) && *from == view);
+        let (.., onlooker) =
+            self.onlooker.insert(known.unwrap_or_else(|| (world.clone(), view, Onlooker::new(world, &view, &mut self.maskings))));
+        let now = onlooker.shown(&mut self.light, world.configuration(), buckets, scale);
+        let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, &now, pending), scale);
+        share <= TOLERATED_FORESEEN
     }
 
     /// Whether the pool that light is compared with was shot at this scene and is of this size.

@@ -21,6 +21,8 @@ pub struct Trace {
     pub change: Vec<[f64; 2]>,
     /// Seconds from the last edit until the light was exact.
     pub exact_after: Option<f64>,
+    /// Seconds from the last edit until it was complete for the eye, as foreseen, or exact.
+    pub complete_after: Option<f64>,
 }
 
 impl Trace {
@@ -55,12 +57,13 @@ pub struct Recovery {
 const REST: Duration = Duration::from_millis(60);
 
 impl Recovery {
-    /// New light: of action number `action`, last edited at `edited`; `current` if it knows of that edit.
+    /// New light: of action number `action`, last edited at `edited`; `current` if it knows of that edit, `complete` if it is so for the eye.
     pub fn look(
         &mut self,
         action: u64,
         edited: Instant,
         current: bool,
+        complete: bool,
         view: View,
         snapshot: &Arc<Snapshot>,
         scale: &Scale,
@@ -85,6 +88,7 @@ impl Recovery {
                 let visible = self.visible.get_or_insert_with(|| Visible::new(&snapshot.world, &view));
                 self.samples.push((seconds, visible.values(&snapshot.buckets, scale)));
             }
+            self.trace.complete_after = (complete || snapshot.exact).then(|| self.trace.complete_after.unwrap_or(seconds));
             if snapshot.exact {
                 self.trace.exact_after = Some(seconds);
                 self.measure(scale);

@@ -22,8 +22,8 @@ struct Stretch {
     pixels: Vec<f64>,
     passes: Vec<[f64; 8]>,
     edits: u64,
-    /// Seconds from its end until 5 % of the change were outstanding, and until the light was exact.
-    after: Option<[Option<f64>; 2]>,
+    /// Seconds from its end until 5 % of the change were outstanding, until the light was complete for the eye, and until it was exact.
+    after: Option<[Option<f64>; 3]>,
 }
 
 /// Account of a session.
@@ -101,7 +101,7 @@ impl Report {
             && ready.snapshot.edits >= stretch.edits
             && ready.trace.exact_after.is_some()
         {
-            stretch.after = Some([ready.trace.until(0.05), ready.trace.exact_after]);
+            stretch.after = Some([ready.trace.until(0.05), ready.trace.complete_after, ready.trace.exact_after]);
         }
     }
 
@@ -143,7 +143,8 @@ impl Stretch {
             "milliseconds_between_frames": shares(&self.intervals), "milliseconds_a_frame": shares(&self.frames),
             "milliseconds_from_event_to_shown": shares(&self.delays), "median_pixels": quantile(&self.pixels, 0.5),
             "photons_per_second": rate(0), "rays_per_second": rate(1),
-            "seconds_until_5_percent": self.after.and_then(|after| after[0]), "seconds_until_exact": self.after.and_then(|after| after[1]),
+            "seconds_until_5_percent": self.after.and_then(|after| after[0]), "seconds_until_complete_for_the_eye": self.after.and_then(|after| after[1]),
+            "seconds_until_exact": self.after.and_then(|after| after[2]),
         })
     }
 }

@@ -6,7 +6,12 @@ mod editing;
 mod files;
 
 use super::{
-    autosave::Autosave, history::History, light::LightReader, messages::Messages, navigation::Navigation, playback::Playback,
+    autosave::Autosave,
+    history::History,
+    light::{LightReader, Ready},
+    messages::Messages,
+    navigation::Navigation,
+    playback::Playback,
 };
 use crate::failure::Failure;
 use lightmend_photon::{
@@ -162,6 +167,11 @@ impl Session {
     /// Whether this light is to the bit that of the scene as it is now.
     pub fn is_exact(&self, light: &Snapshot) -> bool {
         light.exact && light.edits >= self.edits
+    }
+
+    /// Whether nobody will see the rest of its repair to the scene as it is now, as far as can be foreseen.
+    pub fn is_complete_for_the_eye(&self, ready: &Ready) -> bool {
+        ready.complete_for_the_eye && ready.snapshot.edits >= self.edits
     }
 
     /// The number of the last edit that the solver was told of.

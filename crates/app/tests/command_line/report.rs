@@ -69,6 +69,12 @@ fn what_is_written_is_what_is_documented() {
         for order in orders {
             let told = &state["orders"][order];
             assert_eq!(told["bit_equal_to_fresh"], true, "{order}");
+            let noticed = array(told, "noticed");
+            assert_eq!(noticed[noticed.len() - 1], 0.0, "{order}: exact light differs in nothing");
+            let complete = told["complete_for_the_eye"]["rays"].as_u64().expect("a number");
+            let at = array(&told["readouts"]["raw"], "curve").iter().position(|p| p["rays"] == complete).expect("a checkpoint");
+            assert!(noticed[at..].iter().all(|share| share.as_f64() <= Some(1e-3)), "{order}");
+            assert!(noticed[0].as_f64() > Some(0.01) && noticed[at - 1].as_f64() > Some(1e-3), "{order}: {noticed:?}");
             assert_eq!(keys(&told["readouts"]), ["raw", "reconstructed"]);
             let raw = &told["readouts"]["raw"];
             let nrmse = |readout: &str| told["readouts"][readout]["drained"]["nrmse"].as_f64().expect("a number");
@@ -101,6 +107,7 @@ fn what_is_written_is_what_is_documented() {
         files.extend(
             ["nrmse", "others"].iter().flat_map(|kind| ["png", "svg"].map(|e| format!("{}_{state}_{kind}.{e}", stem(scene)))),
         );
+        files.push(format!("{}_{state}_noticed.png", stem(scene)));
     }
     files.sort();
     assert_eq!(desk.names("out"), files);

@@ -52,6 +52,11 @@ impl Numbers {
         (self.first[object] + cell) << 1 | u32::from(side)
     }
 
+    /// Numbers in use, with those that no element has.
+    pub fn count(&self) -> usize {
+        2 * RUN as usize * self.object_of.len()
+    }
+
     /// What has this number.
     pub fn element(&self, number: u32) -> Element {
         let element = number >> 1;

@@ -66,6 +66,9 @@ impl LedgerSolution {
         book(repairs.iter().flat_map(|repair| [&repair.old, &repair.new]), &mut self.buckets, &mut self.tallies)?;
         let mut mended = Mended::default();
         for repair in repairs {
+            if let Some(exchange) = &mut self.exchange {
+                exchange.count(&self.numbers, &repair.old, &repair.new, repair.mended.photons.len() as u64);
+            }
             mended.work += repair.mended.work;
             mended.replayed += repair.mended.replayed;
             mended.photons.extend(repair.mended.photons);
@@ -80,6 +83,9 @@ impl LedgerSolution {
             let held = &mut self.chunks[*number];
             self.outstanding -= u64::from(held.marks());
             held.marked.clear();
+        }
+        if let Some(exchange) = &mut self.exchange {
+            exchange.turn(self.outstanding);
         }
         Ok((!next.is_empty()).then_some(mended))
     }

@@ -32,6 +32,9 @@ const RECENT: Duration = Duration::from_millis(300);
 /// marked photons of a whole pool.
 const LOOK: Duration = Duration::from_millis(500);
 
+/// What a repair brings is noted once the last edit is so old: under a drag nobody asks.
+const REST: Duration = Duration::from_millis(60);
+
 /// Edits may throw away one so-many-th of a pool during its first shooting. Higher: light of the old place is seen for longer; lower: more
 /// work is thrown away, and noise returns.
 const LITTLE: u64 = 8;
@@ -279,6 +282,9 @@ impl Worker<'_> {
                 Light::Groups(solution) if visible_first => solution.repair_next().map(|next| next.map(|repaired| repaired.work)),
                 Light::Groups(solution) => solution.repair_shuffled().map(|next| next.map(|repaired| repaired.work)),
                 Light::Ledger(ledger) => {
+                    if self.view.is_some() && self.edited.is_none_or(|edited| edited.elapsed() > REST) {
+                        ledger.watch();
+                    }
                     if visible_first && !ledger.scan(SCAN) {
                         continue;
                     }
@@ -330,6 +336,10 @@ impl Worker<'_> {
             Light::Ledger(ledger) => Method::Ledger { bytes: ledger.bytes() },
             light => Method::Groups { stale: light.stale_groups(self.settings.pool), refused: self.refused },
         };
+        let pending = match &self.light {
+            Light::Ledger(ledger) if outstanding_photons > 0 && photons >= self.settings.pool.photons() => ledger.pending(),
+            _ => None,
+        };
         let snapshot = Arc::new(Snapshot {
             world: self.world.clone(),
             buckets: self.light.buckets().clone(),
@@ -338,6 +348,7 @@ impl Worker<'_> {
             pool_photons: self.settings.pool.photons(),
             method,
             outstanding_photons,
+            pending,
             grows: outstanding_photons == 0 && self.grows(controls),
             work: self.work,
             edits: self.edits,

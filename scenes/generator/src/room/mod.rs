@@ -12,12 +12,16 @@ use crate::mesh::Mesh;
 use crate::scene::{Camera, Lamp, Object, Scene};
 use crate::shell;
 use crate::solid::v;
+use glam::{DVec2, DVec3};
 
 /// Length, width and height, metres.
 pub const SIZE: [f64; 3] = [6.0, 5.0, 2.8];
 
 /// Where the table stands; its drag begins here.
 pub const TABLE: [f64; 2] = [1.9, 3.0];
+
+/// Metres after which the checks of [`papered`] come again: coarse enough that cells of [`scene`] show light of that detail.
+const CHECKS: f64 = 2.5;
 
 /// The scene.
 pub fn scene() -> Scene {
@@ -47,6 +51,30 @@ pub fn scene() -> Scene {
         cameras: cameras(),
         meshes: ("meshes/", meshes),
     }
+}
+
+/// The same with floor and walls in large strong checks, which hide errors of the light: written beside it, as `papered.ron`.
+pub fn papered() -> Scene {
+    let mut scene = scene();
+    let checks = |wall: &str| if wall == "ceiling" { "ceiling white" } else { "checks" };
+    let mut walls = shell::walls(SIZE[0], SIZE[1], SIZE[2], checks);
+    for part in walls.iter_mut().filter(|part| part.name != "ceiling") {
+        // Along the wall and up it; across the floor.
+        let flat = |p: DVec3| match part.name.as_str() {
+            "floor" => DVec2::new(p.x, p.y),
+            "south wall" | "north wall" => DVec2::new(p.x, p.z),
+            _ => DVec2::new(p.y, p.z),
+        };
+        part.solids = part.solids.iter().map(|s| s.clone().textured(|p| flat(p) / CHECKS)).collect();
+    }
+    for object in scene.objects.iter_mut().filter(|object| object.mesh == "shell") {
+        object.mesh = "papered_shell".into();
+    }
+    scene.meshes.1.retain(|mesh| mesh.name != "shell");
+    scene.meshes.1.push(Mesh { name: "papered_shell".into(), parts: walls });
+    scene.materials.push(("checks", [1.0; 3], Some("textures/checks.png")));
+    scene.materials.sort_by_key(|m| m.0);
+    Scene { name: "papered room", ..scene }
 }
 
 /// What stands on the floor or hangs.

@@ -48,12 +48,10 @@ pub fn recovery(ui: &mut Ui, trace: &Trace, size: Vec2) {
     if !trace.change.is_empty() {
         legend(1.0, "visible change outstanding", CHANGE);
     }
-    let told = match (trace.exact_after, trace.until(0.05)) {
-        (Some(exact), Some(five)) => format!("5 % of the change outstanding after {five:.1} s, exact after {exact:.1} s"),
-        (Some(exact), None) => format!("Exact after {exact:.1} s"),
-        _ => "Not exact yet".to_owned(),
-    };
-    ui.weak(&told);
+    let five = trace.until(0.05).map(|five| format!("5 % of the change outstanding after {five:.1} s"));
+    let eye = trace.complete_after.map(|eye| format!("complete for the eye after {eye:.1} s"));
+    let exact = trace.exact_after.map_or("not exact yet".to_owned(), |exact| format!("exact after {exact:.1} s"));
+    ui.weak(five.into_iter().chain(eye).chain([exact]).collect::<Vec<_>>().join(", "));
     response.on_hover_text(
         "Since the last edit. Blue: share of the pool that is still to be re-shot. Orange, known once the light is exact: how far the picture's indirect light was from exact, as a share of how far it was when the edit began",
     );

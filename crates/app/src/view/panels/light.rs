@@ -77,7 +77,10 @@ pub fn state_line(desk: &mut Desk, ui: &mut Ui) {
                 } else {
                     let percent = outstanding_percent(ready);
                     let paused = if desk.session.solver.controls().paused { ", paused" } else { "" };
-                    ui.label(format!("Light: {percent:.0} % of the photons outstanding{paused}"));
+                    let eye = if desk.session.is_complete_for_the_eye(ready) { "complete for the eye, " } else { "" };
+                    ui.label(format!("Light: {eye}{percent:.0} % of the photons outstanding{paused}")).on_hover_text(
+                        "Complete for the eye: from here nobody will see the rest of the repair, as far as can be told from what it brought so far",
+                    );
                 }
             }
         }
@@ -109,7 +112,11 @@ fn numbers(desk: &mut Desk, ui: &mut Ui, ready: &Ready) {
     let rates = desk.rates.rates();
     let outstanding = snapshot.outstanding_photons as f64;
     let share = 1.0 - outstanding / snapshot.pool_photons.max(1) as f64;
-    let text = if snapshot.exact { "exact".to_owned() } else { format!("{:.1} % right", 100.0 * share) };
+    let text = match snapshot.exact {
+        true => "exact".to_owned(),
+        false if desk.session.is_complete_for_the_eye(ready) => format!("complete for the eye, {:.1} % right", 100.0 * share),
+        false => format!("{:.1} % right", 100.0 * share),
+    };
     ui.add(ProgressBar::new(share as f32).text(text));
     egui::Grid::new("numbers").num_columns(2).show(ui, |ui| {
         let mut line = |name: &str, value: String, hint: &str| {
