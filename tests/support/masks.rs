@@ -40,11 +40,11 @@ pub struct Tally {
     pub lit: usize,
     /// Those facing it whose eight neighbours are not all as they are.
     pub edges: usize,
-    /// Pixels that face the lamp at less than [`GRAZING`]; not compared.
+    /// Pixels that face the lamp at a cosine of less than 1/1000; not compared.
     pub grazing: usize,
     /// Wrong, with an edge within a pixel.
     pub wrong_at_edges: usize,
-    /// Wrong, with the outline of the triangle seen within [`GRID`].
+    /// Wrong, with the outline of the triangle seen within 1/256 of a pixel.
     pub wrong_on_outlines: usize,
     /// Wrong.
     pub wrong: usize,

@@ -13,7 +13,7 @@ fn frames_of_hard_scenes_are_numbers() {
     let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
     let mut scenes: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "ron")).collect();
     scenes.sort();
-    let photons = count(50_000, 4_000_000);
+    let photons = count(50_000, 1_000_000);
     let size = if count(0, 1) == 0 { "160x120" } else { "640x480" };
     let desk = Desk::new();
     let mut rows = Vec::new();
