@@ -148,7 +148,7 @@ fn whatever_is_asked_of_the_background_solver_it_ends_with_the_same_bits() {
 }
 
 /// Takes snapshots until one reflects edit number `edits` and is as wanted.
-fn until(solver: &Solver, edits: u64, wanted: impl Fn(&Snapshot) -> bool) -> Arc<Snapshot> {
+fn until(solver: &Solver, edits: u64, mut wanted: impl FnMut(&Snapshot) -> bool) -> Arc<Snapshot> {
     loop {
         if let Some(light) = solver.snapshot().filter(|light| light.edits >= edits && wanted(light)) {
             return light;
@@ -194,6 +194,35 @@ fn a_paused_solver_counts_what_is_stale_and_reads_dimmed_lamps() {
         assert!(is_stale(&light));
         let dark = until(&solver, solver.start_over(), |_| true);
         assert_eq!((dark.photons, dark.outstanding_photons, dark.exact), (0, 50_000, false));
+    }
+}
+
+#[test]
+fn what_a_repair_will_bring_is_told_to_those_who_look() {
+    let scene = own_scene("room");
+    let start = Configuration::initial(&scene);
+    let moved = start.apply(&Edit::Move { object: "table".into(), to: DVec3::new(2.4, 3.0, 0.0) }).unwrap();
+    for looks in [false, true] {
+        let mut settings = settings(pool(200_000), 1 << 30, Duration::from_millis(1));
+        settings.controls.iterations = 1;
+        let solver = Solver::start(start.clone(), settings).unwrap();
+        if looks {
+            solver.look(scene.cameras[0].1);
+        }
+        assert!(solver.wait_until_exact().pending.is_none(), "nothing is to come");
+        // An edit that rests by the time its repair begins.
+        solver.control(Controls { paused: true, ..settings.controls });
+        let edits = solver.edit(moved.clone());
+        until(&solver, edits, |light| light.outstanding_photons > 0);
+        std::thread::sleep(Duration::from_millis(100));
+        solver.control(settings.controls);
+        let mut told = 0;
+        let exact = until(&solver, edits, |light| {
+            told += u32::from(light.pending.is_some());
+            light.exact
+        });
+        assert!(exact.pending.is_none());
+        assert_eq!(told > 0, looks);
     }
 }
 

@@ -127,6 +127,12 @@ fn colour(name: &str) -> RGBColor {
         "stateless" => RGBColor(200, 60, 30),
         "random" => RGBColor(120, 120, 120),
         "oracle" => RGBColor(20, 130, 60),
+        "P" => RGBColor(120, 120, 120),
+        "V" => RGBColor(20, 130, 60),
+        "V 1/Te" => RGBColor(120, 180, 60),
+        "items" => RGBColor(150, 40, 160),
+        "items 1/Te" => RGBColor(200, 60, 30),
+        "foreseen, items" => RGBColor(0, 0, 0),
         BOUND => RGBColor(0, 0, 0),
         _ => RGBColor(40, 80, 190),
     }

@@ -62,7 +62,8 @@ impl Onlooker {
         pixels.flatten().filter(off).count() as f64 / f64::from(width * height)
     }
 
-    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen.
+    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen; all of them
+    /// as long as less was repaired than is left.
     pub fn foreseen(
         &self,
         reader: &mut IndirectLight,
@@ -70,6 +71,10 @@ impl Onlooker {
         (light, now, pending): (&Buckets, &[f64], &Pending),
         scale: &Scale,
     ) -> f64 {
+        // Of more than was repaired too little is known.
+        if pending.ratio() > 1.0 {
+            return 1.0;
+        }
         let then = pending.draw(light, |object| self.objects.get(object) == Some(&true));
         self.noticed(now, &self.shown(reader, configuration, &then, scale))
     }

@@ -141,11 +141,16 @@ impl Buckets {
         Ok(())
     }
 
-    /// So many hits more (or less) on one side of a cell, from all lamps in proportion, each like those that are there. Where there are none
-    /// nothing is added.
-    pub(crate) fn add_hits_alike(&mut self, object: usize, cell: u32, side: usize, hits: f64) {
+    /// So many hits more (or less) on one side of a cell, from all lamps in proportion, each like those that are there; like `usual`, of this lamp, where
+    /// there are none.
+    pub(crate) fn add_hits_alike(&mut self, object: usize, cell: u32, side: usize, hits: f64, (lamp, usual): (usize, Bucket)) {
         let hits_of = |page: &Option<Arc<[Bucket]>>| page.as_ref().and_then(|page| page.get(cell as usize)).map_or(0, |b| b.hits);
         let all: i64 = self.pages[object].iter().skip(side).step_by(2).map(hits_of).sum();
+        if all == 0 && hits >= 1.0 && usual.hits > 0 && cell < self.cells[object] {
+            let scaled = |value: i64| (value as f64 * hits / usual.hits as f64).round() as i64;
+            let bucket = Bucket { energy: usual.energy.map(scaled), hits: hits.round() as i64 };
+            self.set(Address { object: object as u32, cell, side: side as u8, lamp: lamp as u16 }, bucket);
+        }
         if all == 0 {
             return;
         }
@@ -157,6 +162,21 @@ impl Buckets {
             self.deposits += scaled(bucket.hits) - bucket.hits;
             *bucket = Bucket { energy: bucket.energy.map(scaled), hits: scaled(bucket.hits) };
         }
+    }
+
+    /// The lamp that most hits stem from, and all its light.
+    pub(crate) fn usual(&self) -> (usize, Bucket) {
+        let lamps = self.pages.iter().map(|pages| pages.len() / 2).max().unwrap_or(0);
+        let of_lamp = |lamp: usize| {
+            let pages = self.pages.iter().flat_map(|pages| pages.iter().skip(2 * lamp).take(2)).flatten();
+            let mut sum = Bucket::default();
+            for bucket in pages.flat_map(|page| page.iter()) {
+                sum.hits += bucket.hits;
+                sum.energy.iter_mut().zip(bucket.energy).for_each(|(sum, energy)| *sum += energy);
+            }
+            (lamp, sum)
+        };
+        (0..lamps).map(of_lamp).max_by_key(|(_, sum)| sum.hits).unwrap_or_default()
     }
 
     /// Sets one bucket.

@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Rays traced per frame while a drag is played step by step
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     work: u64,
-    /// Follow also what each of the scene's cameras sees, with these ways to tell what matters to it, all if none is named: views.csv
+    /// Follow also what each of the scene's cameras sees, with these ways to tell what matters to it, all if none is named: views.csv, .svg and .png
     #[arg(long, value_name = "WAYS", value_delimiter = ',', num_args = 0..=1, require_equals = true,
         default_missing_value = "p,v,v-masked,items,items-masked")]
     views: Option<Vec<views::Way>>,
@@ -141,7 +141,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (moves, warnings) = Moves::read(&arguments.script, &scene)?;
     common.warn(&warnings);
     arguments.dump.as_deref().map_or(Ok(()), output::file)?;
-    let files = ["recovery.csv", "recovery.svg", "recovery.png", "drag.csv", "drag.svg", "drag.png", "views.csv", "summary.json"];
+    let files = [
+        "recovery.csv",
+        "recovery.svg",
+        "recovery.png",
+        "drag.csv",
+        "drag.svg",
+        "drag.png",
+        "views.csv",
+        "views.svg",
+        "views.png",
+        "summary.json",
+    ];
     let files = files.map(String::from);
     let out = output::folder(&arguments.out, &files)?;
     let orders = without_doubles(&arguments.orders);

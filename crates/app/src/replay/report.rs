@@ -65,6 +65,10 @@ pub fn write(out: &Path, scene: &str, chapters: &[Chapter], work: u64, common: &
         output::write(&out.join("drag.csv"), |file| drag::write_csv(file, chapters))?;
         figures.push(("drag", figure::write(out, "drag", &drags, None)?.left_out));
     }
+    let views: Vec<Panel> = chapters.iter().flat_map(views::panels).collect();
+    if !views.is_empty() {
+        figures.push(("views", figure::write(out, "views", &views, None)?.left_out));
+    }
     for (stem, left_out) in figures {
         if common.talks() && !chapters.is_empty() {
             say(&format!("figure: {}", out.join(format!("{stem}.png")).display()));

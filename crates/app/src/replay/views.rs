@@ -6,6 +6,7 @@
 use super::{Chapter, OrderArgument};
 use crate::{
     failure::Failure,
+    figure::{Axes, Curve, Panel},
     indirect::IndirectLight,
     masking::Maskings,
     onlooker::{Onlooker, TOLERATED, TOLERATED_FORESEEN},
@@ -302,6 +303,28 @@ pub fn json(sights: &[Sight]) -> Value {
             })
         })
         .collect()
+}
+
+/// The figure's panels: pixels in which the error could be noticed, a panel for each camera and order.
+pub fn panels(chapter: &Chapter) -> Vec<Panel> {
+    let curve = |sight: &Sight, name, of: fn(&Moment) -> Option<f64>| {
+        let whole = sight.moments.last().map_or(0, |m| m.rays).max(1) as f64;
+        let point = |m: &Moment| Some((m.rays as f64 / whole * 100.0, of(m)? * 100.0));
+        Curve { name, points: sight.moments.iter().filter_map(point).collect() }
+    };
+    let panel = |sights: &[Sight]| {
+        let mut curves: Vec<Curve> = sights.iter().map(|sight| curve(sight, sight.gaze, |m| Some(m.noticed))).collect();
+        let foresees = sights.iter().find(|sight| sight.gaze == Way::Items.name() && sight.order == "ledger");
+        curves.extend(foresees.map(|sight| curve(sight, "foreseen, items", |m| m.foreseen)));
+        Panel {
+            title: format!("{}, from {}, {}", chapter.title, sights[0].camera, sights[0].order),
+            across: "rays, % of those until exact".into(),
+            upwards: "pixels in which the error could be noticed, %".into(),
+            axes: Axes::Linear,
+            curves,
+        }
+    };
+    chapter.views.chunk_by(|a, b| (&a.camera, a.order) == (&b.camera, b.order)).map(panel).collect()
 }
 
 /// views.csv: a line per look.

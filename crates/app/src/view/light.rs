@@ -285,10 +285,6 @@ impl<'a> Reader<'a> {
             self.onlooker = None;
             return false;
         };
-        // Of more than was repaired too little is known.
-        if pending.ratio() > 1.0 {
-            return false;
-        }
         let Snapshot { world, buckets, scale, .. } = snapshot;
         let known = self.onlooker.take().filter(|(known, from, _)| Arc::ptr_eq(known, world) && *from == view);
         let (.., onlooker) =

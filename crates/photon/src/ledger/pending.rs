@@ -104,6 +104,7 @@ impl Pending {
     /// give the same light.
     pub fn draw(&self, light: &Buckets, wanted: impl Fn(usize) -> bool) -> Buckets {
         let mut drawn = light.clone();
+        let usual = light.usual();
         for (number, counts) in self.deposits.iter().enumerate() {
             let Element { object, cell, side } = self.numbers.element(number as u32);
             if self.ratio == 0.0 || !wanted(object) {
@@ -115,7 +116,7 @@ impl Pending {
             };
             let change = more(1) - more(0);
             if change != 0.0 {
-                drawn.add_hits_alike(object, cell, usize::from(side), change);
+                drawn.add_hits_alike(object, cell, usize::from(side), change, usual);
             }
         }
         drawn
