@@ -100,10 +100,11 @@ impl Sight {
         self.moments.get(last.map_or(0, |last| last + 1))
     }
 
-    /// When that was foreseen first, if it was before the light was exact.
+    /// When that was foreseen, at this look and the one before, if it was before the light was exact.
     fn foreseen(&self) -> Option<&Moment> {
-        let before = &self.moments[..self.moments.len().saturating_sub(1)];
-        before.iter().find(|m| m.foreseen.is_some_and(|share| share <= TOLERATED_FORESEEN))
+        let foresees = |m: &Moment| m.foreseen.is_some_and(|share| share <= TOLERATED_FORESEEN);
+        let exact = self.moments.last()?.rays;
+        self.moments.windows(2).find(|m| m.iter().all(foresees) && m[1].rays < exact).map(|m| &m[1])
     }
 }
 
