@@ -18,7 +18,6 @@ use lightmend_photon::{
     bucket::Buckets, course::Course, importance::Gaze, irradiance::Scale, ledger::LedgerSolution, solution::Solution,
     visible::Frustum, world::World,
 };
-use lightmend_scene::View;
 use serde_json::{Value, json};
 use std::{
     io::Write,
