@@ -62,7 +62,7 @@ impl Onlooker {
         pixels.flatten().filter(off).count() as f64 / f64::from(width * height)
     }
 
-    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen; all of them
+    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen; `None`
     /// as long as less was repaired than is left.
     pub fn foreseen(
         &self,
@@ -70,13 +70,13 @@ impl Onlooker {
         configuration: &Configuration,
         (light, now, pending): (&Buckets, &[f64], &Pending),
         scale: &Scale,
-    ) -> f64 {
+    ) -> Option<f64> {
         // Of more than was repaired too little is known.
         if pending.ratio() > 1.0 {
-            return 1.0;
+            return None;
         }
         let then = pending.draw(light, |object| self.objects.get(object) == Some(&true));
-        self.noticed(now, &self.shown(reader, configuration, &then, scale))
+        Some(self.noticed(now, &self.shown(reader, configuration, &then, scale)))
     }
 
     /// The difference in multiples of the one that is just noticed.

@@ -140,7 +140,8 @@ impl<'a> Eye<'a> {
         let flip = compare(&self.picture, &self.draw(&values)).map_err(Failure::failed)?.mean;
         let now = self.onlooker.shown(reader, configuration, light, self.scale);
         let pending = course.pending();
-        let foreseen = pending.map(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
+        let foreseen =
+            pending.and_then(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
         Ok(Moment {
             rays,
             seconds: clock.as_secs_f64(),

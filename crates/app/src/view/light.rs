@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
         let (.., onlooker, foreseen) = self.onlooker.insert(known.unwrap_or_else(look));
         let now = onlooker.shown(&mut self.light, world.configuration(), buckets, scale);
         let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, &now, pending), scale);
-        std::mem::replace(foreseen, share <= TOLERATED_FORESEEN) && *foreseen
+        std::mem::replace(foreseen, share.is_some_and(|share| share <= TOLERATED_FORESEEN)) && *foreseen
     }
 
     /// Whether the pool that light is compared with was shot at this scene and is of this size.
