@@ -10,7 +10,7 @@ use lightmend_photon::{
     pool::{GroupId, Pool},
     recovery::{Order, Relevant, recover},
     solution::Solution,
-    visible::{Frustum, Visible},
+    visible::Frustum,
     world::World,
 };
 use lightmend_scene::{Configuration, Edit, Moves, Scene};
@@ -183,18 +183,10 @@ fn a_camera_changes_the_order_and_not_the_bits() {
     let configuration = Configuration::initial(&scene).apply(&moves.edits[0].edit).unwrap();
     let after = Arc::new(start.world().moved_to(&configuration));
     let eye = |camera: usize| Frustum::new(&scene.cameras[camera].1, scene.up, 1.5);
-    let visible = Visible::new(&after, &scene.cameras[1].1);
     // A texture that hides nine tenths of any error wherever one is.
     let hidden = |id: usize| vec![UNIT / 10; after.object(id).mesh.triangles.len()].into();
     let unmasked = Unmasked((0..after.configuration().object_slots()).map(hidden).collect());
-    let gazes = [
-        None,
-        Some(Gaze::Frustum(eye(1))),
-        Some(Gaze::Frustum(eye(2))),
-        Some(Gaze::Masked(eye(1), Arc::new(unmasked))),
-        Some(Gaze::Sides(visible.importance(&after, |_| 1.0).into())),
-        Some(Gaze::Sides(visible.importance(&after, |seen| 1.0 + seen.object as f64).into())),
-    ];
+    let gazes = [None, Some(Gaze::Frustum(eye(1))), Some(Gaze::Frustum(eye(2))), Some(Gaze::Masked(eye(1), Arc::new(unmasked)))];
     let orders: Vec<Vec<GroupId>> = gazes
         .into_iter()
         .map(|gaze| {
@@ -208,7 +200,7 @@ fn a_camera_changes_the_order_and_not_the_bits() {
         .collect();
     // Masking that is everywhere alike changes nothing; all else does.
     assert_eq!(orders[1], orders[3]);
-    for (a, b) in [(0, 1), (1, 2), (0, 4), (1, 4), (4, 5)] {
+    for (a, b) in [(0, 1), (1, 2)] {
         assert_ne!(orders[a], orders[b], "{a}, {b}");
     }
 }

@@ -123,7 +123,7 @@ fn mixed_edits_drain_to_the_stateless_and_to_a_fresh_solution() {
                         ledger.change(next).unwrap();
                         ledger.scan(step.groups * 3);
                         if let (true, Some((_, view))) = (number % 3 == 0, scene.cameras.first()) {
-                            ledger.look(&Visible::new(ledger.world(), view).importance(ledger.world(), |_| 1.0));
+                            ledger.look(&Visible::new(ledger.world(), view).importance(ledger.world()));
                         }
                         drain(&mut ledger, step.groups / 8);
                         // It grows whatever is still wrong; an edit may come before a slab is complete.

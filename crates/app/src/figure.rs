@@ -131,7 +131,6 @@ fn colour(name: &str) -> RGBColor {
         "V" => RGBColor(20, 130, 60),
         "V 1/Te" => RGBColor(120, 180, 60),
         "items" => RGBColor(150, 40, 160),
-        "items 1/Te" => RGBColor(200, 60, 30),
         "foreseen, items" => RGBColor(0, 0, 0),
         BOUND => RGBColor(0, 0, 0),
         _ => RGBColor(40, 80, 190),

@@ -13,7 +13,7 @@ use lightmend_scene::{Configuration, View, luminance};
 /// Share of the picture's pixels in which an error may be noticed that counts as none.
 pub const TOLERATED: f64 = 1e-3;
 
-/// The same while what is to come is only foreseen: it was seen to be up to 1.6 times more than foreseen. Lower: said later.
+/// The same while what is to come is only foreseen, at two looks in a row: at one look alone more than tolerated was left in two of 42 repairs. Lower: said later.
 pub const TOLERATED_FORESEEN: f64 = TOLERATED / 2.0;
 
 /// Somebody who looks from a camera.
@@ -62,7 +62,7 @@ impl Onlooker {
         pixels.flatten().filter(off).count() as f64 / f64::from(width * height)
     }
 
-    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen; all of them
+    /// The same of what a repair will still change of `light`, of which `now` is [shown](Self::shown), as foreseen; `None`
     /// as long as less was repaired than is left.
     pub fn foreseen(
         &self,
@@ -70,13 +70,13 @@ impl Onlooker {
         configuration: &Configuration,
         (light, now, pending): (&Buckets, &[f64], &Pending),
         scale: &Scale,
-    ) -> f64 {
+    ) -> Option<f64> {
         // Of more than was repaired too little is known.
         if pending.ratio() > 1.0 {
-            return 1.0;
+            return None;
         }
         let then = pending.draw(light, |object| self.objects.get(object) == Some(&true));
-        self.noticed(now, &self.shown(reader, configuration, &then, scale))
+        Some(self.noticed(now, &self.shown(reader, configuration, &then, scale)))
     }
 
     /// The difference in multiples of the one that is just noticed.

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             if watched {
                 let (time, visible) = timed(|| Visible::new(&after, &view));
                 times[2] = time;
-                let (time, ()) = timed(|| ledger.look(&visible.importance(&after, |_| 1.0)));
+                let (time, ()) = timed(|| ledger.look(&visible.importance(&after)));
                 times[3] = time;
                 ledger.watch();
                 let marked = ledger.outstanding_photons();

@@ -6,7 +6,7 @@
 use crate::{
     bucket::Buckets,
     hash::shuffle,
-    importance::Gaze,
+    importance::{Gaze, Importance},
     ledger::{LedgerSolution, Pending, Refused},
     path::Rules,
     pool::{PhotonIndex, Pool},
@@ -126,16 +126,17 @@ impl Course {
         Ok(Scan::default())
     }
 
-    /// From now on, until the light is exact, what matters to a camera comes first, where this order has a choice.
-    pub fn look(&mut self, gaze: &Gaze) {
-        match &mut self.way {
-            Way::Ledger(ledger) => {
-                if let Gaze::Sides(importance) = gaze {
-                    ledger.look(importance);
-                }
-            }
-            Way::Groups(solution) => solution.look(Some(gaze.clone())),
-            Way::Photons { .. } | Way::Shooting { .. } | Way::Recording { .. } => {}
+    /// From now on, until the light is exact, groups that matter to a camera come first; nothing for other orders.
+    pub fn look(&mut self, gaze: Gaze) {
+        if let Way::Groups(solution) = &mut self.way {
+            solution.look(Some(gaze));
+        }
+    }
+
+    /// The same for a ledger's photons: those that matter on element sides come first.
+    pub fn look_at(&mut self, importance: &Importance) {
+        if let Way::Ledger(ledger) = &mut self.way {
+            ledger.look(importance);
         }
     }
 

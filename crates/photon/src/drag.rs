@@ -70,7 +70,7 @@ impl Play<'_> {
                 rays: 0,
             },
             Order::Ledger(ledger) => {
-                let importance = self.visible.importance(self.end.world(), |_| 1.0);
+                let importance = self.visible.importance(self.end.world());
                 Worker::Ledger { solution: Box::new(ledger.clone()), importance, rays: 0 }
             }
             _ => {

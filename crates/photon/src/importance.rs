@@ -10,15 +10,13 @@ use std::sync::Arc;
 /// A weight of 1 in fixed point: sums do not depend on their order.
 pub const UNIT: u32 = 1 << 12;
 
-/// How a camera tells what matters.
+/// How a camera tells what matters of photon groups, by the hits of pilots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Gaze {
     /// Hits in its frustum, all alike: the seed's V.
     Frustum(Frustum),
     /// The same, each as far as its texture lets an error be seen: the seed's V and 1 ÷ T_e.
     Masked(Frustum, Arc<Unmasked>),
-    /// Deposits on the element sides that it sees.
-    Sides(Arc<Importance>),
 }
 
 /// 1 ÷ T_e of every triangle of every object, by number, in [`UNIT`]; of objects without texture nothing is kept.
@@ -56,7 +54,7 @@ impl Importance {
 
 impl Gaze {
     /// How much a hit matters, in [`UNIT`].
-    pub(crate) fn hit(&self, hit: &Hit, cell: impl FnOnce() -> u32, side: u8, deposits: bool) -> u32 {
+    pub(crate) fn hit(&self, hit: &Hit) -> u32 {
         let inside = |frustum: &Frustum| frustum.contains(hit.triangle.point(hit.weights));
         match self {
             Gaze::Frustum(frustum) => u32::from(inside(frustum)) * UNIT,
@@ -65,8 +63,6 @@ impl Gaze {
                 triangles.and_then(|triangles| triangles.get(hit.triangle.in_mesh())).copied().unwrap_or(UNIT)
             }
             Gaze::Masked(..) => 0,
-            Gaze::Sides(importance) if deposits => importance.of(hit.triangle.object(), cell(), side),
-            Gaze::Sides(_) => 0,
         }
     }
 }

@@ -21,9 +21,9 @@ pub struct Watch<'g> {
 }
 
 impl Record for Watch<'_> {
-    fn hit(&mut self, hit: &Hit, side: u8, _: Vec3, _: u16, deposits: bool, world: &World) {
+    fn hit(&mut self, hit: &Hit, _: u8, _: Vec3, _: u16, _: bool, _: &World) {
         if let Some(gaze) = self.gaze {
-            self.seen += u64::from(gaze.hit(hit, || cell(world, hit), side, deposits));
+            self.seen += u64::from(gaze.hit(hit));
         }
     }
 

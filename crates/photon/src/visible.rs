@@ -143,10 +143,10 @@ impl Visible {
         Visible { sides: seen, pixels }
     }
 
-    /// How much light matters on each side: pixels ÷ area ÷ `elevation` of the threshold there.
-    pub fn importance(&self, world: &World, mut elevation: impl FnMut(&Seen) -> f64) -> Importance {
+    /// How much light matters on each side: pixels ÷ area. (To divide by the elevation of the threshold there did not pay: `docs/perception.md`.)
+    pub fn importance(&self, world: &World) -> Importance {
         let weight = |s: &Side| {
-            let weight = f64::from(s.pixels) / s.area / elevation(&s.seen());
+            let weight = f64::from(s.pixels) / s.area;
             (s.object, world.object(s.object).lattice.cells(), s.cell, s.side, weight)
         };
         Importance::new(world.configuration().object_slots(), &self.sides.iter().map(weight).collect::<Vec<_>>())

@@ -40,7 +40,7 @@ pub struct Arguments {
     work: u64,
     /// Follow also what each of the scene's cameras sees, with these ways to tell what matters to it, all if none is named: views.csv, .svg and .png
     #[arg(long, value_name = "WAYS", value_delimiter = ',', num_args = 0..=1, require_equals = true,
-        default_missing_value = "p,v,v-masked,items,items-masked")]
+        default_missing_value = "p,v,v-masked,items")]
     views: Option<Vec<views::Way>>,
     #[command(flatten)]
     common: Common,

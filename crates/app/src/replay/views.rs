@@ -15,16 +15,9 @@ use crate::{
 };
 use lightmend_perception::compare;
 use lightmend_photon::{
-    bucket::Buckets,
-    course::Course,
-    importance::Gaze,
-    irradiance::Scale,
-    ledger::LedgerSolution,
-    solution::Solution,
-    visible::{Frustum, Seen, Visible},
-    world::World,
+    bucket::Buckets, course::Course, importance::Gaze, irradiance::Scale, ledger::LedgerSolution, solution::Solution,
+    visible::Frustum, world::World,
 };
-use lightmend_scene::View;
 use serde_json::{Value, json};
 use std::{
     io::Write,
@@ -49,8 +42,6 @@ pub enum Way {
     VMasked,
     /// The item buffer.
     Items,
-    /// The same ÷ T_e.
-    ItemsMasked,
 }
 
 impl Way {
@@ -60,7 +51,6 @@ impl Way {
             Way::V => "V",
             Way::VMasked => "V 1/Te",
             Way::Items => "items",
-            Way::ItemsMasked => "items 1/Te",
         }
     }
 }
@@ -100,10 +90,11 @@ impl Sight {
         self.moments.get(last.map_or(0, |last| last + 1))
     }
 
-    /// When that was foreseen first, if it was before the light was exact.
+    /// When that was foreseen, at this look and the one before, if it was before the light was exact.
     fn foreseen(&self) -> Option<&Moment> {
-        let before = &self.moments[..self.moments.len().saturating_sub(1)];
-        before.iter().find(|m| m.foreseen.is_some_and(|share| share <= TOLERATED_FORESEEN))
+        let foresees = |m: &Moment| m.foreseen.is_some_and(|share| share <= TOLERATED_FORESEEN);
+        let exact = self.moments.last()?.rays;
+        self.moments.windows(2).find(|m| m.iter().all(foresees) && m[1].rays < exact).map(|m| &m[1])
     }
 }
 
@@ -149,7 +140,8 @@ impl<'a> Eye<'a> {
         let flip = compare(&self.picture, &self.draw(&values)).map_err(Failure::failed)?.mean;
         let now = self.onlooker.shown(reader, configuration, light, self.scale);
         let pending = course.pending();
-        let foreseen = pending.map(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
+        let foreseen =
+            pending.and_then(|pending| self.onlooker.foreseen(reader, configuration, (light, &now, &pending), self.scale));
         Ok(Moment {
             rays,
             seconds: clock.as_secs_f64(),
@@ -183,17 +175,26 @@ pub fn follow(
         for order in orders {
             for way in ways {
                 let course = match order {
-                    // Hits in the frustum were worse for a ledger than no order.
+                    // Hits in the frustum were worse for a ledger than no order, and the item buffer no better for groups.
                     OrderArgument::Ledger if matches!(way, Way::V | Way::VMasked) => None,
+                    OrderArgument::Stateless if matches!(way, Way::Items) => None,
                     OrderArgument::Ledger => ledger.map(Course::ledger),
                     OrderArgument::Stateless => Some(Course::stateless(start)),
                     OrderArgument::Random | OrderArgument::Oracle | OrderArgument::Restart => None,
                 };
                 let Some(mut course) = course else { continue };
                 let order = if matches!(order, OrderArgument::Ledger) { "ledger" } else { "stateless" };
-                let (name, gaze) = (way.name(), gaze(*way, maskings, &world, view, onlooker.visible()));
+                let name = way.name();
+                let frustum = Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
+                let mut unmasked = || Arc::new(maskings.unmasked(configuration, view));
+                let look = |course: &mut Course| match way {
+                    Way::P => {}
+                    Way::V => course.look(Gaze::Frustum(frustum)),
+                    Way::VMasked => course.look(Gaze::Masked(frustum, unmasked())),
+                    Way::Items => course.look_at(&onlooker.visible().importance(&world)),
+                };
                 let bar = progress::bar(1000, &format!("{camera}, {order}, {name}"), quiet);
-                let moments = watch(&mut course, gaze.as_ref(), &world, &eye, &mut reader, &bar)?;
+                let moments = watch(&mut course, look, &world, &eye, &mut reader, &bar)?;
                 bar.finish_and_clear();
                 if progress::interrupted() {
                     return Ok(Vec::new());
@@ -205,23 +206,9 @@ pub fn follow(
     Ok(sights)
 }
 
-/// What matters to a camera that sees this.
-fn gaze(way: Way, maskings: &mut Maskings, world: &World, view: &View, visible: &Visible) -> Option<Gaze> {
-    let configuration = world.configuration();
-    let frustum = || Frustum::new(view, configuration.scene().up, 4.0 / 3.0);
-    let elevation = |seen: &Seen| maskings.elevation(configuration.object(seen.object), seen.triangle, seen.footprint);
-    match way {
-        Way::P => None,
-        Way::V => Some(Gaze::Frustum(frustum())),
-        Way::VMasked => Some(Gaze::Masked(frustum(), Arc::new(maskings.unmasked(configuration, view)))),
-        Way::Items => Some(Gaze::Sides(visible.importance(world, |_| 1.0).into())),
-        Way::ItemsMasked => Some(Gaze::Sides(visible.importance(world, elevation).into())),
-    }
-}
-
 fn watch(
     course: &mut Course,
-    gaze: Option<&Gaze>,
+    look: impl FnOnce(&mut Course),
     world: &Arc<World>,
     eye: &Eye,
     reader: &mut IndirectLight,
@@ -231,9 +218,7 @@ fn watch(
     let start = Instant::now();
     course.change(world.clone()).map_err(refused)?;
     course.watch();
-    if let Some(gaze) = gaze {
-        course.look(gaze);
-    }
+    look(course);
     let mut clock: Duration = start.elapsed();
     let mut moments = vec![eye.look(course, reader, 0, Duration::ZERO)?];
     let (mut rays, mut next) = (0, 1.0);

@@ -183,8 +183,8 @@ struct Reader<'a> {
     light: IndirectLight,
     recovery: Recovery,
     maskings: Maskings,
-    /// Who looks at which world from where.
-    onlooker: Option<(Arc<World>, View, Onlooker)>,
+    /// Who looks at which world from where, and whether it was foreseen to be complete at the last look.
+    onlooker: Option<(Arc<World>, View, Onlooker, bool)>,
     /// When it was estimated last.
     median_error: (Option<Instant>, f64),
     /// For what is still wrong: a pool shot at the newest scene.
@@ -286,12 +286,12 @@ impl<'a> Reader<'a> {
             return false;
         };
         let Snapshot { world, buckets, scale, .. } = snapshot;
-        let known = self.onlooker.take().filter(|(known, from, _)| Arc::ptr_eq(known, world) && *from == view);
-        let (.., onlooker) =
-            self.onlooker.insert(known.unwrap_or_else(|| (world.clone(), view, Onlooker::new(world, &view, &mut self.maskings))));
+        let known = self.onlooker.take().filter(|(known, from, ..)| Arc::ptr_eq(known, world) && *from == view);
+        let look = || (world.clone(), view, Onlooker::new(world, &view, &mut self.maskings), false);
+        let (.., onlooker, foreseen) = self.onlooker.insert(known.unwrap_or_else(look));
         let now = onlooker.shown(&mut self.light, world.configuration(), buckets, scale);
         let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, &now, pending), scale);
-        share <= TOLERATED_FORESEEN
+        std::mem::replace(foreseen, share.is_some_and(|share| share <= TOLERATED_FORESEEN)) && *foreseen
     }
 
     /// Whether the pool that light is compared with was shot at this scene and is of this size.

@@ -291,7 +291,7 @@ impl Worker<'_> {
                     if let (true, Some(view)) = (visible_first, self.view)
                         && self.looked.is_none_or(|(last, when)| last != view && when.elapsed() > LOOK)
                     {
-                        ledger.look(&Visible::new(&self.world, &view).importance(&self.world, |_| 1.0));
+                        ledger.look(&Visible::new(&self.world, &view).importance(&self.world));
                         self.looked = Some((view, Instant::now()));
                     }
                     ledger.repair_next().map(|next| next.map(|mended| mended.work))
