@@ -79,9 +79,8 @@ impl Chunk {
         })
     }
 
-    /// Puts the path of a rank into `path`; its lamp.
+    /// Adds the path of a rank to `path`; its lamp.
     pub fn path(&self, rank: usize, path: &mut Vec<Entry>) -> u16 {
-        path.clear();
         let levels = self.levels().take_while(|level| rank < level.elements.len());
         path.extend(
             levels.map(|Level { places, elements }| Entry { place: places.map(|axis| axis[rank]), element: elements[rank] }),
@@ -241,6 +240,7 @@ mod tests {
         let mut found = Vec::new();
         for (rank, photon) in chunk.order().iter().enumerate() {
             let (lamp, path) = &expected[usize::from(*photon)];
+            found.clear();
             assert_eq!(chunk.path(rank, &mut found), *lamp);
             assert_eq!(found, *path);
         }

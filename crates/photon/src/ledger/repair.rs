@@ -3,8 +3,8 @@
 use super::{
     LedgerSolution,
     chunk::{Chunk, Entry, Loose},
-    held::{Held, Past},
-    replay::{Clerk, Drafts, Passage, Recorder},
+    held::{Held, Past, WorldNumber},
+    replay::{Clerk, Drafts, Passage, Recorded, Recorder},
     scan::Marks,
 };
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
     wave::follow_apart,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A step of repair.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -50,9 +51,24 @@ struct Repair {
 #[derive(Default)]
 struct Room {
     loose: Loose,
-    recorded: Vec<Entry>,
+    entries: Vec<Entry>,
     drafts: Drafts,
     members: Vec<PhotonIndex>,
+}
+
+/// A marked photon.
+struct Marked {
+    /// The place of its chunk among those that are repaired together.
+    chunk: usize,
+    /// Its number in the chunk.
+    photon: u8,
+    index: PhotonIndex,
+    /// The lamp that it is recorded to have left.
+    lamp: u16,
+    /// From the world of its record.
+    passage: usize,
+    /// Its recorded path.
+    path: Range<usize>,
 }
 
 impl LedgerSolution {
@@ -159,60 +175,76 @@ impl LedgerSolution {
     }
 
     fn repair_chunks(&self, numbers: &[usize], room: &mut Room) -> Repair {
-        let Room { loose, recorded, drafts, members } = room;
+        let Room { loose, entries, drafts, members } = room;
         let lamps = self.tallies.len();
         let (mut old, mut new, mut mended) = (Outcome::new(lamps, true), Outcome::new(lamps, false), Mended::default());
-        let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
-        drafts.clear(numbers.iter().map(|number| self.chunks[*number].marks() as usize).sum());
-        // Of every chunk, the photons whose paths part, with the numbers of their drafts.
-        let mut parted: Vec<(usize, Vec<(u8, usize)>)> = Vec::new();
-        let (mut onward, mut draft) = (Vec::new(), 0);
-        for number in numbers {
+
+        // All that is recorded is looked up before anything is replayed: these look-ups do not wait for one another.
+        entries.clear();
+        let (mut passages, mut triangles, mut marked): (Vec<(WorldNumber, Passage)>, Vec<_>, Vec<Marked>) = Default::default();
+        for (chunk, number) in numbers.iter().enumerate() {
             let held = &self.chunks[*number];
             members.clear();
             members.extend(self.members(*number));
-            let mut of_chunk = Vec::new();
             for (past, marks) in &held.marked {
-                let Past { world, surfaces, since } = &self.pasts[past];
-                let passage = Passage {
-                    rules: &self.rules,
-                    before: world,
-                    surfaces,
-                    after: &self.world,
-                    changed: &since.changed,
-                    moved_out: &since.moved_out,
-                    moved_in: &since.moved_in,
-                    recorder,
-                };
+                let passage = passages.iter().position(|(number, _)| number == past).unwrap_or_else(|| {
+                    passages.push((*past, self.passage(*past)));
+                    passages.len() - 1
+                });
                 for rank in marks.ranks() {
                     let photon = held.chunk.order()[rank];
+                    let begin = entries.len();
+                    let lamp = held.chunk.path(rank, entries);
+                    triangles.extend(entries[begin..].iter().map(|entry| passages[passage].1.triangle(entry)));
                     let index = members[usize::from(photon)];
-                    let lamp = held.chunk.path(rank, recorded);
-                    let mending = passage.repair(index, lamp, recorded, &mut old, &mut new, &mut drafts.paths[draft]);
-                    if mending.parts {
-                        drafts.lamps[draft] = mending.lamp;
-                        of_chunk.push((photon, draft));
-                    }
-                    onward.extend(mending.onward.map(|going| (draft as u32, going)));
-                    mended.replayed += mending.replayed;
-                    mended.photons.push(index);
-                    draft += 1;
+                    marked.push(Marked { chunk, photon, index, lamp, passage, path: begin..entries.len() });
                 }
             }
-            mended.work.photons += of_chunk.len() as u64;
-            parted.push((*number, of_chunk));
         }
-        follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: &mut new });
-        mended.work.rays = new.rays;
-        let rewrite = |(number, photons): &(usize, Vec<(u8, usize)>)| {
-            loose.load(&self.chunks[*number].chunk);
-            for (photon, draft) in photons {
-                loose.set(*photon, drafts.lamps[*draft], &drafts.paths[*draft]);
+
+        drafts.clear(marked.len());
+        let (mut onward, mut parted) = (Vec::with_capacity(marked.len()), Vec::with_capacity(marked.len()));
+        for (draft, one) in marked.iter().enumerate() {
+            let path = Recorded { entries: &entries[one.path.clone()], triangles: &triangles[one.path.clone()] };
+            let (_, passage) = &passages[one.passage];
+            let mending = passage.repair(one.index, one.lamp, path, &mut old, &mut new, &mut drafts.paths[draft]);
+            if mending.parts {
+                drafts.lamps[draft] = mending.lamp;
+                parted.push(draft);
             }
-            (*number, loose.store())
+            onward.extend(mending.onward.map(|going| (draft as u32, going)));
+            mended.replayed += mending.replayed;
+            mended.photons.push(one.index);
+        }
+        let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
+        follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: &mut new });
+        mended.work = Work { photons: parted.len() as u64, rays: new.rays };
+
+        let rewrite = |drafts_of_chunk: &[usize]| {
+            let number = numbers[marked[drafts_of_chunk[0]].chunk];
+            loose.load(&self.chunks[number].chunk);
+            for draft in drafts_of_chunk {
+                loose.set(marked[*draft].photon, drafts.lamps[*draft], &drafts.paths[*draft]);
+            }
+            (number, loose.store())
         };
-        let chunks = parted.iter().filter(|(_, photons)| !photons.is_empty()).map(rewrite).collect();
+        let chunks = parted.chunk_by(|a, b| marked[*a].chunk == marked[*b].chunk).map(rewrite).collect();
         Repair { old, new, mended, chunks }
+    }
+
+    /// From a past world to the newest one.
+    fn passage(&self, past: WorldNumber) -> Passage<'_> {
+        let Past { world, surfaces, since } = &self.pasts[&past];
+        Passage {
+            rules: &self.rules,
+            before: world,
+            surfaces,
+            after: &self.world,
+            changed: &since.changed,
+            moved_out: &since.moved_out,
+            moved_in: &since.moved_in,
+            recorder: Recorder { numbers: &self.numbers, grid: &self.grid },
+        }
     }
 
     /// The photons of a chunk.

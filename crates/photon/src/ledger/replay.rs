@@ -22,7 +22,6 @@ use crate::{
     world::{Crowd, Difference, World},
 };
 use glam::Vec3;
-use lightmend_scene::Material;
 
 /// How paths are written down.
 #[derive(Clone, Copy)]
@@ -129,6 +128,15 @@ impl Log for Clerk<'_> {
     }
 }
 
+/// A path at rest, with the triangles that it met, `None` where it escaped.
+#[derive(Clone, Copy)]
+pub struct Recorded<'r, 'a> {
+    /// Its hits, and perhaps where it left.
+    pub entries: &'r [Entry],
+    /// As many.
+    pub triangles: &'r [Option<&'a Triangle>],
+}
+
 /// From the world in which paths were recorded to the newest one.
 pub struct Passage<'a> {
     /// How photons become paths.
@@ -169,7 +177,7 @@ impl<'a> Passage<'a> {
         &self,
         index: PhotonIndex,
         was_lamp: u16,
-        recorded: &[Entry],
+        recorded: Recorded<'_, 'a>,
         old: &mut Outcome,
         new: &mut Outcome,
         path: &mut Vec<Entry>,
@@ -190,9 +198,8 @@ impl<'a> Passage<'a> {
             return Mending { onward: leaving, parts: true, lamp, replayed };
         }
         let mut photon = leaving;
-        for (k, entry) in recorded.iter().enumerate() {
+        for (k, recorded_triangle) in recorded.triangles.iter().copied().enumerate() {
             let Some(here) = photon else { break };
-            let recorded_triangle = self.triangle(entry);
             let was = recorded_triangle.map(|triangle| met(here.ray(), triangle));
             let stays = recorded_triangle.is_none_or(|triangle| self.moved_out.binary_search(&triangle.object()).is_err());
             let now = if stays {
@@ -212,11 +219,11 @@ impl<'a> Passage<'a> {
             }
             let hits = k as u64 + u64::from(was.is_some());
             let replayed = self.take_back(here.brings(), || here, recorded, k, old);
-            path.extend_from_slice(&recorded[..k]);
+            path.extend_from_slice(&recorded.entries[..k]);
             let onward = self.recorder.step(here, self.rules, self.after, now, new, path);
             return Mending { onward, parts: true, lamp, replayed: hits + replayed };
         }
-        let hits = recorded.iter().filter(|entry| entry.element != ESCAPED).count() as u64;
+        let hits = recorded.triangles.iter().flatten().count() as u64;
         Mending { onward: None, parts: false, lamp, replayed: hits }
     }
 
@@ -229,17 +236,11 @@ impl<'a> Passage<'a> {
     }
 
     /// The triangle of an entry where it was recorded; `None` if the path escaped.
-    fn triangle(&self, entry: &Entry) -> Option<&'a Triangle> {
+    pub fn triangle(&self, entry: &Entry) -> Option<&'a Triangle> {
         (entry.element != ESCAPED).then(|| {
             let Element { object, cell, .. } = self.recorder.numbers.element(entry.element);
             self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record")
         })
-    }
-
-    /// The material of an element where it was recorded.
-    fn material(&self, Element { object, cell, .. }: Element) -> &Material {
-        let triangle = self.surfaces.triangle(object, cell).expect("a recorded element is in the world of its record");
-        self.before.object(object).material(triangle.in_mesh())
     }
 
     /// Whether a surface that did not move is of the same reflectance at a hit.
@@ -255,37 +256,37 @@ impl<'a> Passage<'a> {
         &self,
         mut brought: Brought,
         photon: impl Fn() -> Photon<'a>,
-        recorded: &[Entry],
+        recorded: Recorded<'_, 'a>,
         from: usize,
         old: &mut Outcome,
     ) -> u64 {
-        if recorded.len() >= LONGEST_PATH as usize {
+        let Recorded { entries, triangles } = recorded;
+        if entries.len() >= LONGEST_PATH as usize {
             // Whether the last hit took it or only its length is not recorded.
-            self.replay(photon(), &recorded[from..], old);
-            return (recorded.len() - from) as u64;
+            self.replay(photon(), &triangles[from..], old);
+            return (entries.len() - from) as u64;
         }
         // Where the photon itself is known, and it there.
         let (mut at, mut known): (usize, Option<Photon>) = (from, None);
-        for (n, entry) in recorded.iter().enumerate().skip(from) {
-            if entry.element == ESCAPED {
+        for n in from..entries.len() {
+            let Some(triangle) = triangles[n] else {
                 old.end(End::Escaped, brought.throughput, brought.lamp);
                 break;
-            }
-            let element = self.recorder.numbers.element(entry.element);
+            };
             if brought.counts {
-                let Element { object, cell, side } = element;
+                let Element { object, cell, side } = self.recorder.numbers.element(entries[n].element);
                 old.deposit(Address { object: object as u32, cell, side, lamp: brought.lamp }, brought.throughput);
             }
-            if n + 1 == recorded.len() {
+            if n + 1 == entries.len() {
                 old.end(End::Absorbed, brought.throughput, brought.lamp);
                 break;
             }
-            let material = self.material(element);
+            let material = self.before.object(triangle.object()).material(triangle.in_mesh());
             brought = if material.texture.is_none() {
                 brought.reflected(material.reflectance)
             } else {
                 let here = known.unwrap_or_else(&photon);
-                let next = self.replay(here, &recorded[at..=n], &mut Watch::default()).expect("its record goes on");
+                let next = self.replay(here, &triangles[at..=n], &mut Watch::default()).expect("its record goes on");
                 (at, known) = (n + 1, Some(next));
                 next.brings()
             };
@@ -293,10 +294,10 @@ impl<'a> Passage<'a> {
         (at - from) as u64
     }
 
-    /// Follows an old path by what is recorded of it; `None` if it ends there.
-    fn replay(&self, mut photon: Photon<'a>, recorded: &[Entry], record: &mut impl Record) -> Option<Photon<'a>> {
-        for entry in recorded {
-            let was = self.triangle(entry).map(|triangle| met(photon.ray(), triangle));
+    /// Follows an old path by the triangles that it met; `None` if it ends there.
+    fn replay(&self, mut photon: Photon<'a>, triangles: &[Option<&'a Triangle>], record: &mut impl Record) -> Option<Photon<'a>> {
+        for triangle in triangles {
+            let was = triangle.map(|triangle| met(photon.ray(), triangle));
             photon = photon.step(self.rules, self.before, was, record)?;
         }
         Some(photon)

@@ -36,13 +36,15 @@ fn old_light_from_the_record_is_that_which_was_left() {
                 let clerk = &mut Clerk { recorder, drafts: &mut drafts, outcome: &mut left };
                 trace_apart(&rules, &world, std::iter::once(index), clerk);
                 let (lamp, path) = (drafts.lamps[0], &drafts.paths[0]);
+                let triangles: Vec<_> = path.iter().map(|entry| passage.triangle(entry)).collect();
+                let recorded = Recorded { entries: path, triangles: &triangles };
                 let emit = || Photon::emit(&rules, &world, index).unwrap();
                 for from in 0..path.len() {
                     let mut before = Outcome::new(lamps, false);
-                    let photon = passage.replay(emit(), &path[..from], &mut before).unwrap();
+                    let photon = passage.replay(emit(), &triangles[..from], &mut before).unwrap();
                     let brought = if from == 0 { Brought::from_lamp(&rules, &world, lamp) } else { photon.brings() };
                     let mut old = Outcome::new(lamps, true);
-                    replayed += passage.take_back(brought, || photon, path, from, &mut old);
+                    replayed += passage.take_back(brought, || photon, recorded, from, &mut old);
                     hits += path.len() - from;
                     assert_eq!(old.deposits, left.deposits[before.deposits.len()..], "{name}, {index:?} from {from}");
                     let mut tally = left.tallies[usize::from(lamp)];
