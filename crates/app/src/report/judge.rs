@@ -98,11 +98,10 @@ impl<'a> Judge<'a> {
             .iter()
             .map(|readout| {
                 let field = (readout.field)(self.reader, self.world, light, &scale);
-                let visible = self
-                    .visible
-                    .as_ref()
-                    .map(|Seen { onlooker, right, own, .. }| (onlooker.visible(), right, own))
-                    .map(|(visible, right, own)| without_own(visible.difference(&visible.values_of(&field), right), *own));
+                let visible = self.visible.as_ref().map(|Seen { onlooker, right, own, .. }| {
+                    let visible = onlooker.visible();
+                    without_own(visible.difference(&visible.values_of(&field), right), *own)
+                });
                 Ok(Errors { measures: self.reference.measure(&field), visible, flip })
             })
             .collect()
