@@ -63,7 +63,7 @@ fn radiance(world: &World, buckets: &Buckets, scale: &Scale, lens: &Lens, x: f64
     let back = normal.dot(direction) > 0.0;
     let normal = (if back { -normal } else { normal }).as_dvec3();
     let area = world.object(object).lattice.area_in(t);
-    let from_photons = scale.irradiance(buckets, object, path::cell(world, &hit), usize::from(back), area).value;
+    let from_photons = scale.irradiance(buckets, object, path::cell(&hit), usize::from(back), area).value;
     let point = hit.triangle.point(hit.weights).as_dvec3();
     let direct = probe::direct_of(world, point, normal, |lamp| world.configuration().lamp(lamp).direct == Direct::Rasteriser);
     path::reflectance(world, &hit).as_dvec3() * (from_photons + direct) / std::f64::consts::PI

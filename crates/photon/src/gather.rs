@@ -120,7 +120,7 @@ impl Gather<'_> {
     /// Adds the photons' light at a hit: that of all surfaces that lie in one another there.
     fn indirect(&self, ray: &Ray, hit: Hit, throughput: DVec3, gathered: &mut Gathered) {
         for hit in self.world.layers(ray, hit) {
-            let (object, cell) = (hit.triangle.object(), cell(self.world, &hit));
+            let (object, cell) = (hit.triangle.object(), cell(&hit));
             let side = usize::from(hit.triangle.normal.dot(ray.direction) > 0.0);
             let light = self.light.cell(object, cell, side).value;
             gathered.light += throughput * light;

@@ -10,7 +10,7 @@ use crate::{
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle},
-    world::{Crowd, Difference, World},
+    world::{Crowd, Difference, Finish, World},
 };
 use glam::Vec3;
 use lightmend_scene::Direct;
@@ -98,6 +98,15 @@ pub(crate) struct Survivor {
     u: f64,
 }
 
+/// What becomes of a photon at a surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Landing {
+    /// Whether the surface reflects it.
+    pub survives: bool,
+    /// How, if so.
+    pub survivor: Survivor,
+}
+
 /// What happens to a photon, as it happens.
 pub trait Record {
     /// It meets a surface with the given throughput; `deposits` says whether the hit counts.
@@ -152,39 +161,55 @@ impl<'w> Photon<'w> {
         met: Option<Hit<'n>>,
         record: &mut impl Record,
     ) -> Option<Photon<'n>> {
-        let survivor = self.land(rules, world, &met, record)?;
-        met.map(|hit| self.leave(rules, world, &hit, survivor))
-    }
-
-    /// Arrives where its ray ends; `None` when its path does.
-    #[inline(always)]
-    pub(crate) fn land(&self, rules: &Rules, world: &World, met: &Option<Hit>, record: &mut impl Record) -> Option<Survivor> {
         let Some(hit) = met else {
-            record.end(End::Escaped, self.throughput, self.lamp);
+            self.escape(record);
             return None;
         };
+        let landing = self.land(rules, world, &hit, record);
+        if !landing.survives || self.is_spent() {
+            self.end(&landing, record);
+            return None;
+        }
+        Some(self.leave(rules, world, &hit, &landing.survivor))
+    }
+
+    /// Arrives at a surface.
+    #[inline(always)]
+    pub(crate) fn land(&self, rules: &Rules, world: &World, hit: &Hit, record: &mut impl Record) -> Landing {
         let normal = hit.triangle.normal;
         let back = normal.dot(self.ray.direction) > 0.0;
         record.hit(hit, u8::from(back), self.throughput, self.lamp, self.brings().counts, world);
         let reflectance = reflectance(world, hit);
-        let survival = reflectance.max_element();
-        let dimension = 2 + 2 * self.hits as usize;
-        let u = rules.sequence.value(self.index.0, dimension);
-        if u >= f64::from(survival) {
+        let survival = f64::from(reflectance.max_element());
+        let u = rules.sequence.value(self.index.0, 2 + 2 * self.hits as usize);
+        let survivor =
+            Survivor { throughput: self.brings().reflected(reflectance).throughput, u: (u / survival).min(1.0f64.next_down()) };
+        Landing { survives: u < survival, survivor }
+    }
+
+    /// Ends where it landed: absorbed, or with a path as long as paths may be.
+    #[inline(always)]
+    pub(crate) fn end(&self, landing: &Landing, record: &mut impl Record) {
+        if landing.survives {
+            record.end(End::Cut, landing.survivor.throughput, self.lamp);
+        } else {
             record.end(End::Absorbed, self.throughput, self.lamp);
-            return None;
         }
-        let throughput = self.brings().reflected(reflectance).throughput;
-        if self.hits + 1 == LONGEST_PATH {
-            record.end(End::Cut, throughput, self.lamp);
-            return None;
-        }
-        Some(Survivor { throughput, u: (u / f64::from(survival)).min(1.0f64.next_down()) })
+    }
+
+    /// Ends where it meets nothing.
+    pub(crate) fn escape(&self, record: &mut impl Record) {
+        record.end(End::Escaped, self.throughput, self.lamp);
+    }
+
+    /// Whether its next hit is its last, whatever happens there.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.hits + 1 == LONGEST_PATH
     }
 
     /// Leaves the surface that it met.
     #[inline(always)]
-    pub(crate) fn leave<'n>(&self, rules: &Rules, world: &World, hit: &Hit<'n>, survivor: Survivor) -> Photon<'n> {
+    pub(crate) fn leave<'n>(&self, rules: &Rules, world: &World, hit: &Hit<'n>, survivor: &Survivor) -> Photon<'n> {
         let normal = hit.triangle.normal;
         let facing = if normal.dot(self.ray.direction) > 0.0 { -normal } else { normal };
         let v = rules.sequence.value(self.index.0, 3 + 2 * self.hits as usize);
@@ -221,16 +246,22 @@ impl<'w> Photon<'w> {
 /// Reflectance of the surface at a hit, per channel.
 #[inline(always)]
 pub fn reflectance(world: &World, hit: &Hit) -> Vec3 {
-    let object = world.object(hit.triangle.object());
-    let t = hit.triangle.in_mesh();
-    let material = object.material(t);
-    material.reflectance_at(|| match object.mesh.uvs.get(t) {
+    let Finish { reflectance, texture } = world.finish(hit.triangle);
+    match texture {
+        None => *reflectance,
+        Some(texture) => *reflectance * texture.sample(texture_coordinates(world, hit)),
+    }
+}
+
+/// Where on its texture a surface is hit.
+fn texture_coordinates(world: &World, hit: &Hit) -> [f32; 2] {
+    match world.object(hit.triangle.object()).mesh.uvs.get(hit.triangle.in_mesh()) {
         None => [0.0; 2],
         Some(uvs) => {
             let uv = uvs.iter().zip(hit.weights).map(|(uv, w)| *uv * f64::from(w)).sum::<glam::DVec2>();
             uv.as_vec2().to_array()
         }
-    })
+    }
 }
 
 /// Traces photon `index` through `world`.
@@ -326,7 +357,6 @@ fn is_same(hit: &Hit, met: &Option<Hit>) -> bool {
 
 /// The mesh element at a hit.
 #[inline(always)]
-pub fn cell(world: &World, hit: &Hit) -> u32 {
-    let lattice = &world.object(hit.triangle.object()).lattice;
-    lattice.cell(hit.triangle.in_mesh(), hit.weights[1], hit.weights[2])
+pub fn cell(hit: &Hit) -> u32 {
+    hit.triangle.cut.cell(hit.weights[1], hit.weights[2])
 }

@@ -150,9 +150,9 @@ pub(crate) fn book<'o>(
 
 impl Record for Outcome {
     #[inline(always)]
-    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, _: &World) {
         if deposits {
-            self.deposit(Address { object: hit.triangle.object() as u32, cell: cell(world, hit), side, lamp }, throughput);
+            self.deposit(Address { object: hit.triangle.object() as u32, cell: cell(hit), side, lamp }, throughput);
         }
     }
 
@@ -214,9 +214,9 @@ impl Trail {
 }
 
 impl Record for Trail {
-    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, _: &World) {
         let position = hit.triangle.point(hit.weights).to_array().map(f32::to_bits);
-        let (cell, energy) = (cell(world, hit), energy(throughput));
+        let (cell, energy) = (cell(hit), energy(throughput));
         self.hits.push(Footprint { triangle: hit.triangle.order(), side, position, cell, energy, lamp, deposits });
     }
 

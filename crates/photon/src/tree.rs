@@ -84,15 +84,16 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
         let inverse = inverse(ray.direction);
-        let [x, y, z] = ray.axes;
-        let near = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
+        let [x, y, z] = ray.axes.map(usize::from);
+        let origin = ray.origin.to_array();
+        let near = |inverse: f32, axis: usize| if inverse < 0.0 { axis + 3 } else { axis };
         Beam {
             lanes,
             ray,
             origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
-            near: [near(0), near(1), near(2)],
-            turned: [lanes.splat(ray.origin[x]), lanes.splat(ray.origin[y]), lanes.splat(ray.origin[z])],
+            near: [near(inverse.x, 0), near(inverse.y, 1), near(inverse.z, 2)],
+            turned: [lanes.splat(origin[x]), lanes.splat(origin[y]), lanes.splat(origin[z])],
             shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
             zero: lanes.splat(0.0),
         }
@@ -109,7 +110,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     fn sheared(&self, corner: &[[f32; LANES]; 3]) -> [L::Numbers; 3] {
         let l = self.lanes;
-        let [x, y, z] = self.ray.axes;
+        let [x, y, z] = self.ray.axes.map(usize::from);
         let depth = l.sub(l.load(&corner[z]), self.turned[2]);
         [
             l.add(l.sub(l.load(&corner[x]), self.turned[0]), l.mul(self.shear[0], depth)),

@@ -7,6 +7,7 @@
 //! The nearest hit is by distance, then by a hash of the object's name and the triangle's number, so that a path never depends on the order in which a tree is visited.
 
 use glam::Vec3;
+use lightmend_scene::Cut;
 
 /// A triangle in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,15 +22,20 @@ pub struct Triangle {
     pub object: u32,
     /// Number of the triangle in the object's mesh.
     pub in_mesh: u32,
+    /// Its mesh elements.
+    pub cut: Cut,
+    /// Which of the mesh's materials it is of.
+    pub material: u16,
 }
 
 impl Triangle {
-    /// Triangle `in_mesh` of object number `object`, whose name hashes to `key`.
+    /// Triangle `in_mesh` of object number `object`, whose name hashes to `key`; all one mesh element, of the mesh's first material.
     pub fn new(corners: [Vec3; 3], key: u64, object: usize, in_mesh: usize) -> Triangle {
         // In f64, so that slivers have a normal.
         let [a, b, c] = corners.map(|v| v.as_dvec3());
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-        Triangle { corners, normal, key, object: object as u32, in_mesh: in_mesh as u32 }
+        let cut = Cut { first: in_mesh as u32, divisions: 1 };
+        Triangle { corners, normal, key, object: object as u32, in_mesh: in_mesh as u32, cut, material: 0 }
     }
 
     /// Number of the object.
@@ -72,10 +78,13 @@ pub struct Ray<'a> {
     /// Within this distance, coplanar neighbours of the surface it leaves are not met either.
     pub near: f32,
     /// The axes that take the places of x, y and z; the direction is largest along the last.
-    pub(crate) axes: [usize; 3],
+    pub(crate) axes: [u8; 3],
     /// What is added to x and y per z, and the factor of z: these take the ray to the z axis and its largest component to 1.
     pub(crate) shear: [f32; 3],
 }
+
+/// [`Ray::axes`] by the last of them and whether the direction is negative there.
+const AXES: [[[u8; 3]; 2]; 3] = [[[1, 2, 0], [2, 1, 0]], [[2, 0, 1], [0, 2, 1]], [[0, 1, 2], [1, 0, 2]]];
 
 /// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy)]
@@ -95,22 +104,21 @@ impl<'a> Ray<'a> {
         // Adding zero turns -0 into 0: boxes and triangles then agree on the octant.
         let direction = direction + Vec3::ZERO;
         let d = direction.abs();
-        let z = if d.x > d.y && d.x > d.z { 0 } else { 1 + usize::from(d.z >= d.y) };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if direction[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-        }
-        let shear = [-direction[x] / direction[z], -direction[y] / direction[z], 1.0 / direction[z]];
-        Ray { origin, direction, leaves, near, axes: [x, y, z], shear }
+        let z = usize::from((d.x <= d.y) | (d.x <= d.z)) * (1 + usize::from(d.z >= d.y));
+        // As an array: glam looks a coordinate up by a branch, and which one it is cannot be foreseen.
+        let along = direction.to_array();
+        let axes = AXES[z][usize::from(along[z] < 0.0)];
+        let [x, y, z] = axes.map(|axis| along[usize::from(axis)]);
+        Ray { origin, direction, leaves, near, axes, shear: [-x / z, -y / z, 1.0 / z] }
     }
 
     /// Meets a triangle if it is nearer than `best`, or as near and smaller order. Trees test eight at once, with the same operations
     /// and to the same bits; this is for one, as when a recorded path is replayed.
     #[inline]
     pub fn meet<'t>(&self, triangle: &'t Triangle, best: &Option<Hit<'t>>) -> Option<Hit<'t>> {
-        let [x, y, z] = self.axes;
+        let [x, y, z] = self.axes.map(usize::from);
         let sheared = |corner: Vec3| {
-            let v = corner - self.origin;
+            let v = (corner - self.origin).to_array();
             Vec3::new(v[x] + self.shear[0] * v[z], v[y] + self.shear[1] * v[z], self.shear[2] * v[z])
         };
         let [a, b, c] = triangle.corners.map(sheared);

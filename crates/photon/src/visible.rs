@@ -125,7 +125,7 @@ impl Visible {
             let normal = hit.triangle.normal.as_dvec3().normalize_or_zero();
             let footprint = footprint(view, up, hit.triangle.point(hit.weights).as_dvec3(), normal);
             let reflectance = path::reflectance(world, &hit);
-            Some(Side { object, cell: path::cell(world, &hit), side, area, pixels: 1, triangle, reflectance, footprint })
+            Some(Side { object, cell: path::cell(&hit), side, area, pixels: 1, triangle, reflectance, footprint })
         };
         let met: Vec<Option<Side>> = (0..WIDTH * HEIGHT).into_par_iter().map(see).collect();
         let key = |s: &Side| (s.object, s.cell, s.side);

@@ -6,7 +6,7 @@
 
 use crate::{
     lanes::{Lanes, Portable, Task, widest},
-    path::{Photon, Record, Rules},
+    path::{Landing, Photon, Record, Rules},
     pool::PhotonIndex,
     stack::Stack,
     triangle::Ray,
@@ -61,23 +61,43 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             photons.extend(photon.map(|photon| (number as u32, photon)));
         }
         let (mut met, mut going) = (Vec::with_capacity(photons.len()), Vec::with_capacity(photons.len()));
-        let mut survivors = Vec::with_capacity(photons.len());
+        let (mut arrived, mut survivors): (Vec<(u32, Landing)>, Vec<u32>) = (Vec::new(), Vec::new());
         while !photons.is_empty() {
             for (number, photon) in &photons {
                 log.of(*number).ray();
                 met.push(world.nearest_in(lanes, photon.ray(), stack));
             }
+            survivors.clear();
+            survivors.resize(photons.len(), 0);
             for (place, ((number, photon), met)) in photons.iter().zip(&met).enumerate() {
-                if met.is_none() {
-                    log.missed(*number, photon.ray());
+                match met {
+                    Some(hit) => arrived.push((place as u32, photon.land(rules, world, hit, &mut log.of(*number)))),
+                    None => {
+                        log.missed(*number, photon.ray());
+                        photon.escape(&mut log.of(*number));
+                    }
                 }
-                survivors.extend(photon.land(rules, world, met, &mut log.of(*number)).map(|survivor| (place, survivor)));
             }
-            for (place, survivor) in survivors.drain(..) {
-                let ((number, photon), hit) = (&photons[place], &met[place]);
-                going.extend(hit.as_ref().map(|hit| (*number, photon.leave(rules, world, hit, survivor))));
+            // Who survives cannot be foreseen: sorted without a branch, or every other photon would stop the processor.
+            let (mut lives, mut ends) = (0, survivors.len());
+            for (n, (place, landing)) in arrived.iter().enumerate() {
+                let goes_on = landing.survives & !photons[*place as usize].1.is_spent();
+                survivors[if goes_on { lives } else { ends - 1 }] = n as u32;
+                lives += usize::from(goes_on);
+                ends -= usize::from(!goes_on);
+            }
+            for n in &survivors[ends..] {
+                let (place, landing) = &arrived[*n as usize];
+                let (number, photon) = &photons[*place as usize];
+                photon.end(landing, &mut log.of(*number));
+            }
+            for n in &survivors[..lives] {
+                let (place, landing) = &arrived[*n as usize];
+                let ((number, photon), hit) = (&photons[*place as usize], &met[*place as usize]);
+                going.extend(hit.as_ref().map(|hit| (*number, photon.leave(rules, world, hit, &landing.survivor))));
             }
             met.clear();
+            arrived.clear();
             photons.clear();
             std::mem::swap(&mut photons, &mut going);
         }

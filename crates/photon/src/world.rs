@@ -15,7 +15,7 @@ use crate::{
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
-use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation};
+use lightmend_scene::{Configuration, Lamp, Material, Mesh, Motion, Object, Texture, lamp_rotation};
 use std::{
     cell::RefCell,
     sync::{Arc, OnceLock},
@@ -201,10 +201,39 @@ impl Still {
     }
 }
 
+/// What a surface is made of.
+pub(crate) struct Finish {
+    /// Per linear Rec. 709 channel; multiplies the texture.
+    pub(crate) reflectance: Vec3,
+    /// An image over the surface.
+    pub(crate) texture: Option<Arc<Texture>>,
+}
+
+/// The materials of all objects side by side: every hit needs one.
+struct Finishes {
+    /// Where each object's begin, by its number.
+    first: Vec<u32>,
+    all: Vec<Finish>,
+}
+
+impl Finishes {
+    fn new(configuration: &Configuration) -> Finishes {
+        let mut finishes = Finishes { first: vec![u32::MAX; configuration.object_slots()], all: Vec::new() };
+        for (id, object) in configuration.objects() {
+            finishes.first[id] = finishes.all.len() as u32;
+            let finish =
+                |material: &Arc<Material>| Finish { reflectance: material.reflectance, texture: material.texture.clone() };
+            finishes.all.extend(object.materials.iter().map(finish));
+        }
+        finishes
+    }
+}
+
 /// A configuration, ready to trace.
 #[derive(Clone)]
 pub struct World {
     configuration: Configuration,
+    finishes: Arc<Finishes>,
     still: Still,
     /// All others.
     crowd: Crowd,
@@ -239,7 +268,12 @@ fn triangles_of(object: &Object, id: usize, motion: &Motion) -> Vec<Triangle> {
     let corners: Vec<Vec3> = object.mesh.positions.iter().map(|p| motion.point(*p).as_vec3()).collect();
     let key = of_name(&object.name);
     let triangles = object.mesh.triangles.iter().enumerate();
-    triangles.map(|(t, indices)| Triangle::new(indices.map(|i| corners[i as usize]), key, id, t)).collect()
+    let triangle = |(t, indices): (usize, &[u32; 3])| Triangle {
+        cut: object.lattice.cut(t),
+        material: object.mesh.material_of[t],
+        ..Triangle::new(indices.map(|i| corners[i as usize]), key, id, t)
+    };
+    triangles.map(triangle).collect()
 }
 
 fn place_lamp(configuration: &Configuration, id: usize) -> PlacedLamp {
@@ -253,6 +287,7 @@ impl World {
         let reach = Reach::new(configuration.reach() as f32);
         let world = World {
             configuration: configuration.clone(),
+            finishes: Arc::new(Finishes::new(configuration)),
             still: Still::new(configuration, reach, preset),
             crowd: Crowd::default(),
             lamps: Vec::new(),
@@ -269,7 +304,8 @@ impl World {
             // Something fixed is gone: what is there now, also what was added since, makes a new tree.
             return World::new(configuration, self.preset);
         };
-        let mut world = World { configuration: configuration.clone(), still, ..self.clone() };
+        let finishes = Arc::new(Finishes::new(configuration));
+        let mut world = World { configuration: configuration.clone(), finishes, still, ..self.clone() };
         let movers = configuration.objects().filter(|(id, _)| world.still.find(*id).is_none());
         let placed = movers.map(|(id, object)| {
             let motion = configuration.object_motion(id);
@@ -400,6 +436,12 @@ impl World {
     #[inline]
     pub fn object(&self, id: usize) -> &Object {
         self.configuration.object(id)
+    }
+
+    /// What a triangle of this world is made of.
+    #[inline(always)]
+    pub(crate) fn finish(&self, triangle: &Triangle) -> &Finish {
+        &self.finishes.all[self.finishes.first[triangle.object()] as usize + usize::from(triangle.material)]
     }
 
     /// The lamps where they stand, by number, also those that are gone.

@@ -15,12 +15,26 @@ pub struct Lattice {
 }
 
 /// How a triangle is cut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Cut {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
     /// Its first cell.
-    first: u32,
-    /// Divisions n of its edges.
-    divisions: u32,
+    pub first: u32,
+    /// Divisions n of its edges; at least 1 for a triangle.
+    pub divisions: u32,
+}
+
+impl Cut {
+    /// The cell of a point; `b1`, `b2` are the barycentric weights of the second and third corner.
+    #[inline(always)]
+    pub fn cell(self, b1: f32, b2: f32) -> u32 {
+        // Without branches: how finely a triangle is cut cannot be foreseen, and a wrong guess costs more than all of this.
+        let Cut { first, divisions: n } = self;
+        let (x, y) = ((b1 * n as f32).max(0.0), (b2 * n as f32).max(0.0));
+        let row = (x as u32).min(n - 1);
+        let column = (y as u32).min(n - 1 - row);
+        let inverted = ((x - row as f32) + (y - column as f32) > 1.0) & (row + column < n - 1);
+        first + row * (2 * n - row) + 2 * column + u32::from(inverted)
+    }
 }
 
 impl Lattice {
@@ -62,18 +76,14 @@ impl Lattice {
         (n + 1) * (n + 2) / 2
     }
 
+    /// How triangle `t` is cut.
+    pub fn cut(&self, t: usize) -> Cut {
+        self.cuts[t]
+    }
+
     /// The cell of a point of triangle `t`; `b1`, `b2` are the barycentric weights of its second and third corner.
-    #[inline]
     pub fn cell(&self, t: usize, b1: f32, b2: f32) -> u32 {
-        let Cut { first, divisions: n } = self.cuts[t];
-        if n == 1 {
-            return first;
-        }
-        let (x, y) = ((b1 * n as f32).max(0.0), (b2 * n as f32).max(0.0));
-        let row = (x as u32).min(n - 1);
-        let column = (y as u32).min(n - 1 - row);
-        let inverted = (x - row as f32) + (y - column as f32) > 1.0 && row + column < n - 1;
-        first + row * (2 * n - row) + 2 * column + u32::from(inverted)
+        self.cuts[t].cell(b1, b2)
     }
 
     /// The triangle that cell `cell` belongs to.

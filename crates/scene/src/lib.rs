@@ -39,7 +39,7 @@ pub use edit::Edit;
 pub use error::{SceneError, Warning};
 pub use format::Up;
 pub use lamp::{Direct, Lamp, lamp_rotation, luminance};
-pub use lattice::Lattice;
+pub use lattice::{Cut, Lattice};
 pub use lattice_points::LatticePoints;
 pub use material::{Material, Texture, srgb_to_linear};
 pub use mesh::Mesh;

@@ -55,9 +55,11 @@ fn kernel(x: f64) -> (f64, f64) {
 #[inline(always)]
 fn turned((sin, cos): (f64, f64), quarters: f64) -> (f64, f64) {
     let q = quarters as i64 as u64;
-    let (s, c) = if q & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    // Exchanged by their bits: a choice between them would be compiled to a branch.
+    let (sin, cos) = (sin.to_bits(), cos.to_bits());
+    let exchange = (sin ^ cos) & (q & 1).wrapping_neg();
     let sign = |q: u64| (q & 2) << 62;
-    (f64::from_bits(s.to_bits() ^ sign(q)), f64::from_bits(c.to_bits() ^ sign(q.wrapping_add(1))))
+    (f64::from_bits(sin ^ exchange ^ sign(q)), f64::from_bits(cos ^ exchange ^ sign(q.wrapping_add(1))))
 }
 
 #[cfg(test)]

@@ -41,8 +41,8 @@ struct Writing<'a> {
 
 impl Record for Writing<'_> {
     #[inline(always)]
-    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, world: &World) {
-        let (object, cell) = (hit.triangle.object(), cell(world, hit));
+    fn hit(&mut self, hit: &Hit, side: u8, throughput: Vec3, lamp: u16, deposits: bool, _: &World) {
+        let (object, cell) = (hit.triangle.object(), cell(hit));
         let place = self.recorder.grid.place(hit.triangle.point(hit.weights));
         self.path.push(Entry { place, element: self.recorder.numbers.of(Element { object, cell, side }) });
         if deposits {
