@@ -15,7 +15,7 @@ pub const DIMENSIONS: usize = 64;
 pub const INDEX_LIMIT: u64 = 1 << 42;
 
 /// The longest table, entries.
-const TABLE: u64 = 512;
+const TABLE: u64 = 1024;
 
 /// How the digits of the sequence are permuted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +26,9 @@ pub enum Scrambling {
     Seed(u64),
 }
 
+/// Runs of digits that an index has at most: 42 bits in base 37, digit by digit.
+const RUNS: usize = 9;
+
 /// The radical inverse in one base.
 #[derive(Debug)]
 pub struct RadicalInverse {
@@ -33,10 +36,13 @@ pub struct RadicalInverse {
     step: u64,
     /// ⌈2⁶⁴ / b^d⌉: multiplying by it divides (Granlund, Montgomery 1994), exactly as long as index · step < 2⁶⁴.
     reciprocal: u64,
-    /// For each run of d digits, what its value adds to the numerator.
-    tables: Vec<Vec<u64>>,
+    /// For each run of d digits, what its value becomes: reversed and permuted. As small as can be, since the tables of all dimensions and copies
+    /// share the caches with the scene; [`step`](Self::step) entries a run.
+    reversed: Box<[u16]>,
+    /// What a reversed run of digits counts in the numerator.
+    weights: [u64; RUNS],
     /// What all the runs from this one on add when they are zero.
-    rest: Vec<u64>,
+    rest: [u64; RUNS + 1],
     /// b^K.
     denominator: u64,
 }
@@ -59,37 +65,37 @@ impl RadicalInverse {
             run += 1;
         }
         let step = base.pow(run);
-        let mut tables = Vec::new();
-        for first in (0..digits).step_by(run as usize) {
+        let runs = digits.div_ceil(run) as usize;
+        let (mut reversed, mut weights, mut rest) = (Vec::with_capacity(runs * step as usize), [0; RUNS], [0; RUNS + 1]);
+        for (n, first) in (0..digits).step_by(run as usize).enumerate() {
             let positions: Vec<u32> = (first..digits.min(first + run)).collect();
             let permutations: Vec<Vec<u64>> =
                 positions.iter().map(|p| permutation(base, *p, scrambling, if *p < shared { 0 } else { copy })).collect();
-            let table = (0..base.pow(positions.len() as u32)).map(|value| {
-                let mut value = value;
-                let mut sum = 0;
-                for (position, permutation) in positions.iter().zip(&permutations) {
-                    sum += permutation[(value % base) as usize] * base.pow(digits - 1 - position);
+            let reverse = |mut value: u64| {
+                permutations.iter().fold(0, |sum, permutation| {
+                    let digit = permutation[(value % base) as usize];
                     value /= base;
-                }
-                sum
-            });
-            tables.push(table.collect::<Vec<u64>>());
+                    sum * base + digit
+                })
+            };
+            reversed.extend((0..step).map(|value| reverse(value) as u16));
+            weights[n] = base.pow(digits - first - positions.len() as u32);
         }
-        let mut rest = vec![0; tables.len() + 1];
-        for run in (0..tables.len()).rev() {
-            rest[run] = rest[run + 1] + tables[run][0];
+        for n in (0..runs).rev() {
+            rest[n] = rest[n + 1] + u64::from(reversed[n * step as usize]) * weights[n];
         }
-        RadicalInverse { step, reciprocal: u64::MAX / step + 1, tables, rest, denominator }
+        RadicalInverse { step, reciprocal: u64::MAX / step + 1, reversed: reversed.into(), weights, rest, denominator }
     }
 
     /// m in Φ_b(i) = m / [`denominator`](Self::denominator).
     #[inline(always)]
     pub fn numerator(&self, mut index: u64) -> u64 {
-        let (mut sum, mut run) = (0, 0);
+        let (mut sum, mut run, mut table) = (0, 0, 0);
         while index > 0 {
             let quotient = ((u128::from(index) * u128::from(self.reciprocal)) >> 64) as u64;
-            sum += self.tables[run][(index - quotient * self.step) as usize];
+            sum += u64::from(self.reversed[table + (index - quotient * self.step) as usize]) * self.weights[run];
             index = quotient;
+            table += self.step as usize;
             run += 1;
         }
         sum + self.rest[run]
@@ -127,8 +133,8 @@ fn permutation(base: u64, position: u32, scrambling: Scrambling, copy: u64) -> V
 /// those of the digits that a group of photons fixes are shared, so that a group is the same elementary interval in every copy.
 #[derive(Debug)]
 pub struct Sequence {
-    /// Per copy, its dimensions.
-    copies: Vec<Vec<RadicalInverse>>,
+    /// [`DIMENSIONS`] of each copy.
+    inverses: Vec<RadicalInverse>,
     /// log₂ of the number of copies.
     shift: u32,
     padding: u64,
@@ -143,30 +149,29 @@ impl Sequence {
     /// 2^`shift` copies, whose groups are residue classes modulo `groups`.
     pub fn of_copies(scrambling: Scrambling, shift: u32, groups: u32) -> Sequence {
         let power_in_groups = |base: u64| (0..).take_while(|k| u64::from(groups) % base.pow(k + 1) == 0).count() as u32;
-        let copy = |copy| {
-            let inverse = |base| RadicalInverse::of_copy(base, scrambling, copy, power_in_groups(base));
-            primes().take(DIMENSIONS).map(inverse).collect()
-        };
+        let bases: Vec<u64> = primes().take(DIMENSIONS).collect();
+        let inverse = |copy, base: &u64| RadicalInverse::of_copy(*base, scrambling, copy, power_in_groups(*base));
+        let inverses = (0..1 << shift).flat_map(|copy| bases.iter().map(move |base| inverse(copy, base))).collect();
         let padding = match scrambling {
             Scrambling::None => 0,
             Scrambling::Seed(seed) => mix(seed),
         };
-        Sequence { copies: (0..1 << shift).map(copy).collect(), shift, padding }
+        Sequence { inverses, shift, padding }
     }
 
     /// How many copies of the sequence there are.
     pub fn copies(&self) -> u32 {
-        self.copies.len() as u32
+        1 << self.shift
     }
 
     /// Number `dimension` of photon `index`, in [0, 1).
     #[inline(always)]
     pub fn value(&self, index: u64, dimension: usize) -> f64 {
-        let copy = &self.copies[(index & ((1 << self.shift) - 1)) as usize];
-        match copy.get(dimension) {
-            Some(inverse) => inverse.value(index >> self.shift),
-            None => (mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64 / (1u64 << 53) as f64,
+        if dimension < DIMENSIONS {
+            let copy = (index & ((1 << self.shift) - 1)) as usize;
+            return self.inverses[copy * DIMENSIONS + dimension].value(index >> self.shift);
         }
+        (mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

@@ -7,9 +7,10 @@
 
 use crate::{
     halton::Sequence,
+    lanes::{Arithmetic, One, dots, scaled},
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
-    triangle::{Hit, Ray, Triangle},
+    triangle::{Hit, Ray, Triangle, points},
     world::{Crowd, Difference, Finish, World},
 };
 use glam::Vec3;
@@ -123,10 +124,7 @@ impl<'w> Photon<'w> {
     pub(crate) fn emit(rules: &Rules, world: &'w World, index: PhotonIndex) -> Option<Photon<'w>> {
         let (lamp, u) = world.choice().choose(rules.sequence.value(index.0, 0))?;
         let direction = world.emission(lamp, u, rules.sequence.value(index.0, 1));
-        let placed = &world.lamps()[lamp];
-        let from = placed.position.as_vec3();
-        let from = if placed.offset > 0.0 { from + direction * placed.offset } else { from };
-        let ray = Ray::new(from, direction, None, 0.0);
+        let ray = Ray::new(world.lamps()[lamp].start(direction), direction, None, 0.0);
         let lamp = lamp as u16;
         let Brought { throughput, counts, .. } = Brought::from_lamp(rules, world, lamp);
         Some(Photon { index, lamp, first_counts: counts, hits: 0, throughput, ray })
@@ -141,6 +139,16 @@ impl<'w> Photon<'w> {
     pub(crate) fn leaves_like(&self, other: &Photon) -> bool {
         let bits = |ray: &Ray| [ray.origin, ray.direction].map(|v| v.to_array().map(f32::to_bits));
         self.lamp == other.lamp && bits(&self.ray) == bits(&other.ray)
+    }
+
+    /// Its number in the pool.
+    pub(crate) fn index(&self) -> PhotonIndex {
+        self.index
+    }
+
+    /// How often it has met a surface.
+    pub(crate) fn hits(&self) -> u32 {
+        self.hits
     }
 
     /// The ray that it is on.
@@ -215,18 +223,11 @@ impl<'w> Photon<'w> {
         let v = rules.sequence.value(self.index.0, 3 + 2 * self.hits as usize);
         let direction = cosine_hemisphere(facing, survivor.u, v);
         let step_back = world.reach().step_back();
-        let ray = Ray::new(self.origin_before(hit, normal, step_back), direction, Some(hit.triangle), step_back);
+        let corners = hit.triangle.corners.map(|corner| corner.to_array());
+        let [normal, along] = [normal, self.ray.direction].map(|v| v.to_array());
+        let origin = before(One, points(One, corners, hit.weights), hit.distance, normal, along, step_back);
+        let ray = Ray::new(origin.into(), direction, Some(hit.triangle), step_back);
         Photon { hits: self.hits + 1, throughput: survivor.throughput, ray, ..*self }
-    }
-
-    /// A point just before the hit, on the ray itself: unlike a step along the normal it cannot pass another surface, however acute
-    /// the corner. It stands `step_back` above the surface, nearer only where the ray is grazing or the way was short.
-    #[inline(always)]
-    fn origin_before(&self, hit: &Hit, normal: Vec3, step_back: f32) -> Vec3 {
-        let unit = self.ray.direction.normalize();
-        let way = hit.distance * self.ray.direction.length();
-        let back = (step_back / normal.dot(unit).abs().max(1.0 / 16.0)).min(way / 2.0);
-        hit.triangle.point(hit.weights) - unit * back
     }
 
     /// Follows the photon to its end in one world.
@@ -241,6 +242,25 @@ impl<'w> Photon<'w> {
             }
         }
     }
+}
+
+/// Points just before hits, on the rays themselves: unlike a step along the normal they cannot pass another surface, however acute the
+/// corner. They stand `step_back` above the surface, nearer only where the ray is grazing or the way was short.
+#[inline(always)]
+pub(crate) fn before<A: Arithmetic>(
+    a: A,
+    points: [A::Numbers; 3],
+    distances: A::Numbers,
+    normals: [A::Numbers; 3],
+    directions: [A::Numbers; 3],
+    step_back: f32,
+) -> [A::Numbers; 3] {
+    let length = a.sqrt(dots(a, directions, directions));
+    let unit = scaled(a, directions, a.div(a.splat(1.0), length));
+    let way = a.mul(distances, length);
+    let cosine = a.max(a.abs(dots(a, normals, unit)), a.splat(1.0 / 16.0));
+    let [x, y, z] = scaled(a, unit, a.min(a.div(a.splat(step_back), cosine), a.div(way, a.splat(2.0))));
+    [a.sub(points[0], x), a.sub(points[1], y), a.sub(points[2], z)]
 }
 
 /// Reflectance of the surface at a hit, per channel.

@@ -6,6 +6,7 @@
 //!
 //! The nearest hit is by distance, then by a hash of the object's name and the triangle's number, so that a path never depends on the order in which a tree is visited.
 
+use crate::lanes::{Arithmetic, One, dots};
 use glam::Vec3;
 use lightmend_scene::Cut;
 
@@ -60,9 +61,7 @@ impl Triangle {
 
     /// The point with these barycentric weights, kept inside the triangle's box: on an axis-parallel wall it never leaves it.
     pub fn point(&self, weights: [f32; 3]) -> Vec3 {
-        let [a, b, c] = self.corners;
-        let p = a * weights[0] + b * weights[1] + c * weights[2];
-        p.clamp(a.min(b).min(c), a.max(b).max(c))
+        points(One, self.corners.map(|corner| corner.to_array()), weights).into()
     }
 }
 
@@ -83,8 +82,52 @@ pub struct Ray<'a> {
     pub(crate) shear: [f32; 3],
 }
 
-/// [`Ray::axes`] by the last of them and whether the direction is negative there.
-const AXES: [[[u8; 3]; 2]; 3] = [[[1, 2, 0], [2, 1, 0]], [[2, 0, 1], [0, 2, 1]], [[0, 1, 2], [1, 0, 2]]];
+/// Points of triangles: see [`Triangle::point`].
+#[inline(always)]
+pub(crate) fn points<A: Arithmetic>(a: A, corners: [[A::Numbers; 3]; 3], weights: [A::Numbers; 3]) -> [A::Numbers; 3] {
+    let [p, q, r] = corners;
+    let along = [[p[0], q[0], r[0]], [p[1], q[1], r[1]], [p[2], q[2], r[2]]];
+    [between(a, along[0], weights), between(a, along[1], weights), between(a, along[2], weights)]
+}
+
+#[inline(always)]
+fn between<A: Arithmetic>(a: A, [p, q, r]: [A::Numbers; 3], weights: [A::Numbers; 3]) -> A::Numbers {
+    let point = dots(a, [p, q, r], weights);
+    a.min(a.max(point, a.min(a.min(p, q), r)), a.max(a.max(p, q), r))
+}
+
+/// Where rays are aimed, as intersection needs it: along which axis most, and [`Ray::shear`].
+pub(crate) struct Aim<A: Arithmetic> {
+    /// Not along x.
+    pub not_x: A::Mask,
+    /// Along z rather than y.
+    pub z_above_y: A::Mask,
+    /// Against that axis.
+    pub down: A::Mask,
+    pub shear: [A::Numbers; 3],
+}
+
+/// Of directions without -0.
+#[inline(always)]
+pub(crate) fn aims<A: Arithmetic>(a: A, [x, y, z]: [A::Numbers; 3]) -> Aim<A> {
+    let [dx, dy, dz] = [a.abs(x), a.abs(y), a.abs(z)];
+    let not_x = a.or(a.at_most(dx, dy), a.at_most(dx, dz));
+    let z_above_y = a.at_most(dy, dz);
+    let along = a.choose(not_x, a.choose(z_above_y, z, y), x);
+    let first = a.choose(not_x, a.choose(z_above_y, x, z), y);
+    let second = a.choose(not_x, a.choose(z_above_y, y, x), z);
+    let down = a.less(along, a.splat(0.0));
+    let [first, second] = [a.choose(down, second, first), a.choose(down, first, second)];
+    let shear = [a.div(a.negative(first), along), a.div(a.negative(second), along), a.div(a.splat(1.0), along)];
+    Aim { not_x, z_above_y, down, shear }
+}
+
+/// [`Ray::axes`] of what [`aims`] says of a ray.
+#[inline(always)]
+pub(crate) fn axes(not_x: bool, z_above_y: bool, down: bool) -> [u8; 3] {
+    const AXES: [[[u8; 3]; 2]; 3] = [[[1, 2, 0], [2, 1, 0]], [[2, 0, 1], [0, 2, 1]], [[0, 1, 2], [1, 0, 2]]];
+    AXES[usize::from(not_x) * (1 + usize::from(z_above_y))][usize::from(down)]
+}
 
 /// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy)]
@@ -103,13 +146,8 @@ impl<'a> Ray<'a> {
     pub fn new(origin: Vec3, direction: Vec3, leaves: Option<&'a Triangle>, near: f32) -> Ray<'a> {
         // Adding zero turns -0 into 0: boxes and triangles then agree on the octant.
         let direction = direction + Vec3::ZERO;
-        let d = direction.abs();
-        let z = usize::from((d.x <= d.y) | (d.x <= d.z)) * (1 + usize::from(d.z >= d.y));
-        // As an array: glam looks a coordinate up by a branch, and which one it is cannot be foreseen.
-        let along = direction.to_array();
-        let axes = AXES[z][usize::from(along[z] < 0.0)];
-        let [x, y, z] = axes.map(|axis| along[usize::from(axis)]);
-        Ray { origin, direction, leaves, near, axes, shear: [-x / z, -y / z, 1.0 / z] }
+        let Aim { not_x, z_above_y, down, shear } = aims(One, direction.to_array());
+        Ray { origin, direction, leaves, near, axes: axes(not_x, z_above_y, down), shear }
     }
 
     /// Meets a triangle if it is nearer than `best`, or as near and smaller order. Trees test eight at once, with the same operations

@@ -1,23 +1,26 @@
 //! Many photons side by side: the same paths as one by one, segment after segment.
 //!
-//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Each of these loops is compiled as one
-//! piece for the widest lanes, and has independent work at hand while one photon waits for memory. In which order photons' hits are
+//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Directions, origins and throughputs are
+//! computed eight at a time, coordinate by coordinate, with the same functions that serve one photon. In which order photons' hits are
 //! recorded is of no consequence: deposits are integers.
 
+mod flock;
+
 use crate::{
-    lanes::{Lanes, Portable, Task, widest},
-    path::{Landing, Photon, Record, Rules},
+    lanes::{LANES, Lanes, Portable, Task, widest},
+    path::{End, Photon, Record, Rules},
     pool::PhotonIndex,
     stack::Stack,
-    triangle::Ray,
+    triangle::{Hit, Ray},
     world::{STACK, World},
 };
+use flock::{Flock, Landing, lane};
 
 /// Who hears of many photons.
 pub trait Log {
-    /// Photon number `number` leaves its lamp, if there is one.
+    /// Photon number `number` leaves a lamp, if there is one.
     #[inline(always)]
-    fn emitted(&mut self, _number: u32, _photon: &Option<Photon>) {}
+    fn emitted(&mut self, _number: u32, _lamp: Option<u16>) {}
 
     /// It meets nothing on this ray.
     #[inline(always)]
@@ -42,8 +45,8 @@ struct Wave<'a, 'w, I, L> {
     world: &'w World,
     /// Photons that are emitted, numbered from 0.
     indices: I,
-    /// Those that are under way, with their numbers.
-    photons: Vec<(u32, Photon<'w>)>,
+    /// Those that are under way.
+    photons: Flock<'w>,
     log: &'a mut L,
     stack: &'a mut Stack,
 }
@@ -52,53 +55,63 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let Wave { rules, world, indices, mut photons, log, stack } = self;
-        photons.reserve(indices.size_hint().0);
-        for (number, index) in indices.enumerate() {
-            let photon = Photon::emit(rules, world, index);
-            log.emitted(number as u32, &photon);
-            photons.extend(photon.map(|photon| (number as u32, photon)));
-        }
-        let (mut met, mut going) = (Vec::with_capacity(photons.len()), Vec::with_capacity(photons.len()));
-        let (mut arrived, mut survivors): (Vec<(u32, Landing)>, Vec<u32>) = (Vec::new(), Vec::new());
-        while !photons.is_empty() {
-            for (number, photon) in &photons {
-                log.of(*number).ray();
-                met.push(world.nearest_in(lanes, photon.ray(), stack));
+    fn run<L: Lanes>(self, l: L) {
+        let Wave { rules, world, mut indices, mut photons, log, stack } = self;
+        let mut first = 0;
+        loop {
+            let (mut next, mut count) = ([PhotonIndex(0); LANES], 0);
+            while count < LANES
+                && let Some(index) = indices.next()
+            {
+                next[count] = index;
+                count += 1;
             }
-            survivors.clear();
-            survivors.resize(photons.len(), 0);
-            for (place, ((number, photon), met)) in photons.iter().zip(&met).enumerate() {
-                match met {
-                    Some(hit) => arrived.push((place as u32, photon.land(rules, world, hit, &mut log.of(*number)))),
-                    None => {
-                        log.missed(*number, photon.ray());
-                        photon.escape(&mut log.of(*number));
-                    }
+            if count == 0 {
+                break;
+            }
+            photons.emit(l, rules, world, &next[..count], first, log);
+            first += count as u32;
+        }
+        let mut going = Flock::default();
+        let (mut met, mut landings, mut places): (Vec<Option<Hit>>, Vec<Landing>, Vec<u32>) = Default::default();
+        while photons.len > 0 {
+            met.clear();
+            for place in 0..photons.len {
+                let (eight, k) = (&photons.eights[place / LANES], place % LANES);
+                log.of(eight.numbers[k]).ray();
+                met.push(world.nearest_in(l, &eight.ray(k), stack));
+            }
+            places.clear();
+            places.resize(photons.len, 0);
+            let (mut lives, mut ends) = (0, photons.len);
+            landings.clear();
+            for (n, eight) in photons.eights.iter().enumerate() {
+                let met = &met[n * LANES..][..photons.lanes(n)];
+                let (landing, survivors) = eight.land(l, rules, world, met, log);
+                landings.push(landing);
+                // Who survives cannot be foreseen: sorted without a branch, or every other photon would stop the processor.
+                for k in 0..met.len() {
+                    let goes_on = survivors >> k & 1;
+                    places[if goes_on != 0 { lives } else { ends - 1 }] = (n * LANES + k) as u32;
+                    lives += goes_on as usize;
+                    ends -= 1 - goes_on as usize;
                 }
             }
-            // Who survives cannot be foreseen: sorted without a branch, or every other photon would stop the processor.
-            let (mut lives, mut ends) = (0, survivors.len());
-            for (n, (place, landing)) in arrived.iter().enumerate() {
-                let goes_on = landing.survives & !photons[*place as usize].1.is_spent();
-                survivors[if goes_on { lives } else { ends - 1 }] = n as u32;
-                lives += usize::from(goes_on);
-                ends -= usize::from(!goes_on);
+            for place in places[ends..].iter().map(|place| *place as usize) {
+                let (eight, k) = (&photons.eights[place / LANES], place % LANES);
+                let mut record = log.of(eight.numbers[k]);
+                match &met[place] {
+                    None => record.end(End::Escaped, lane(&eight.throughput, k).into(), eight.lamps[k]),
+                    Some(_) if landings[place / LANES].u[k] < 1.0 => {
+                        record.end(End::Cut, lane(&landings[place / LANES].throughput, k).into(), eight.lamps[k]);
+                    }
+                    Some(_) => record.end(End::Absorbed, lane(&eight.throughput, k).into(), eight.lamps[k]),
+                }
             }
-            for n in &survivors[ends..] {
-                let (place, landing) = &arrived[*n as usize];
-                let (number, photon) = &photons[*place as usize];
-                photon.end(landing, &mut log.of(*number));
+            going.clear();
+            for places in places[..lives].chunks(LANES) {
+                going.leave(l, rules, world.reach().step_back(), &photons, (&met, &landings), places);
             }
-            for n in &survivors[..lives] {
-                let (place, landing) = &arrived[*n as usize];
-                let ((number, photon), hit) = (&photons[*place as usize], &met[*place as usize]);
-                going.extend(hit.as_ref().map(|hit| (*number, photon.leave(rules, world, hit, &landing.survivor))));
-            }
-            met.clear();
-            arrived.clear();
-            photons.clear();
             std::mem::swap(&mut photons, &mut going);
         }
     }
@@ -112,16 +125,18 @@ pub fn trace_each(rules: &Rules, world: &World, indices: impl Iterator<Item = Ph
 /// As [`trace_each`], to the bit, with the instructions that every processor has: to compare.
 pub fn trace_each_portably(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
     let log = &mut Together(record);
-    STACK.with_borrow_mut(|stack| Wave { rules, world, indices, photons: Vec::new(), log, stack }.run(Portable));
+    STACK.with_borrow_mut(|stack| Wave { rules, world, indices, photons: Flock::default(), log, stack }.run(Portable));
 }
 
 /// Traces photons through `world`, numbered from 0.
 pub fn trace_apart(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, log: &mut impl Log) {
-    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Vec::new(), log, stack }));
+    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Flock::default(), log, stack }));
 }
 
 /// Traces photons that are under way to their ends.
-pub fn follow_apart<'w>(rules: &Rules, world: &'w World, photons: Vec<(u32, Photon<'w>)>, log: &mut impl Log) {
+pub fn follow_apart<'w>(rules: &Rules, world: &'w World, under_way: &[(u32, Photon<'w>)], log: &mut impl Log) {
+    let mut photons = Flock::default();
+    under_way.iter().for_each(|(number, photon)| photons.push(*number, photon));
     STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices: std::iter::empty(), photons, log, stack }));
 }
 

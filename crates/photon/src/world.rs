@@ -8,14 +8,14 @@ use crate::{
     boxes::Boxes,
     emission::LampChoice,
     hash::of_name,
-    lanes::{LANES, Lanes, Task, widest},
+    lanes::{Arithmetic, LANES, Lanes, One, Task, widest},
     sampling::uniform_sphere,
     stack::Stack,
     tree::{Beam, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
-use lightmend_scene::{Configuration, Lamp, Material, Mesh, Motion, Object, Texture, lamp_rotation};
+use lightmend_scene::{Configuration, Lamp, Material, Mesh, Motion, Object, Texture, lamp_rotation, trig::Double};
 use std::{
     cell::RefCell,
     sync::{Arc, OnceLock},
@@ -142,6 +142,15 @@ pub struct PlacedLamp {
     /// How far along their rays photons begin, metres: a step where the lamp lies in a surface, which they would otherwise all meet at once,
     /// whether they leave above or below; else 0.
     pub offset: f32,
+}
+
+impl PlacedLamp {
+    /// Where a photon that leaves in `direction` begins.
+    #[inline(always)]
+    pub(crate) fn start(&self, direction: Vec3) -> Vec3 {
+        let from = self.position.as_vec3();
+        if self.offset > 0.0 { from + direction * self.offset } else { from }
+    }
 }
 
 /// Objects in one tree.
@@ -506,10 +515,26 @@ impl World {
     /// The direction in which a photon leaves lamp `id`, unit.
     #[inline(always)]
     pub fn emission(&self, id: usize, u: f64, v: f64) -> Vec3 {
-        let local = match &self.configuration.lamp(id).photometry {
-            None => uniform_sphere(u, v),
-            Some(photometry) => photometry.sample(u, v),
-        };
-        (self.lamps[id].rotation * local).as_vec3()
+        match &self.configuration.lamp(id).photometry {
+            None => self.even_emission(One, id, u, v).into(),
+            Some(photometry) => (self.lamps[id].rotation * photometry.sample(u, v)).as_vec3(),
+        }
+    }
+
+    /// Whether lamp `id` shines alike in all directions.
+    pub(crate) fn shines_evenly(&self, id: usize) -> bool {
+        self.configuration.lamp(id).photometry.is_none()
+    }
+
+    /// [`emission`](Self::emission) from a lamp that shines evenly, coordinate by coordinate.
+    #[inline(always)]
+    pub(crate) fn even_emission<A: Arithmetic>(&self, a: A, id: usize, u: A::Doubles, v: A::Doubles) -> [A::Numbers; 3] {
+        let [x, y, z] = uniform_sphere(u, v);
+        let [p, q, r] = self.lamps[id].rotation.to_cols_array_2d();
+        [
+            a.narrow(x.constant(p[0]) * x + y.constant(q[0]) * y + z.constant(r[0]) * z),
+            a.narrow(x.constant(p[1]) * x + y.constant(q[1]) * y + z.constant(r[1]) * z),
+            a.narrow(x.constant(p[2]) * x + y.constant(q[2]) * y + z.constant(r[2]) * z),
+        ]
     }
 }

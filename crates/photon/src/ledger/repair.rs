@@ -217,7 +217,7 @@ impl LedgerSolution {
             mended.photons.push(one.index);
         }
         let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
-        follow_apart(&self.rules, &self.world, onward, &mut Clerk { recorder, drafts, outcome: &mut new });
+        follow_apart(&self.rules, &self.world, &onward, &mut Clerk { recorder, drafts, outcome: &mut new });
         mended.work = Work { photons: parted.len() as u64, rays: new.rays };
 
         let rewrite = |drafts_of_chunk: &[usize]| {

@@ -113,8 +113,8 @@ pub struct Clerk<'a> {
 
 impl Log for Clerk<'_> {
     #[inline(always)]
-    fn emitted(&mut self, number: u32, photon: &Option<Photon>) {
-        self.drafts.lamps[number as usize] = photon.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
+    fn emitted(&mut self, number: u32, lamp: Option<u16>) {
+        self.drafts.lamps[number as usize] = lamp.unwrap_or(NO_LAMP);
     }
 
     #[inline(always)]

@@ -1,0 +1,264 @@
+//! Photons under way, eight by eight, coordinate by coordinate.
+
+use super::Log;
+use crate::{
+    lanes::{LANES, Lanes, dots},
+    path::{Brought, LONGEST_PATH, Photon, Record, Rules, before, reflectance},
+    pool::PhotonIndex,
+    sampling::cosine_hemispheres,
+    triangle::{Aim, Hit, Ray, Triangle, aims, axes, points},
+    world::World,
+};
+
+/// Coordinates of eight.
+type Vectors = [[f32; LANES]; 3];
+
+/// Photons under way, eight of them: about to leave a lamp or a surface.
+#[derive(Clone)]
+pub struct Eight<'w> {
+    /// By which a log knows them.
+    pub numbers: [u32; LANES],
+    indices: [PhotonIndex; LANES],
+    /// The lamps that they left.
+    pub lamps: [u16; LANES],
+    /// Whether their next hits deposit.
+    counts: [bool; LANES],
+    hits: [u32; LANES],
+    /// What is left of them, per channel.
+    pub throughput: Vectors,
+    origin: Vectors,
+    direction: Vectors,
+    axes: [[u8; 3]; LANES],
+    shear: Vectors,
+    leaves: [Option<&'w Triangle>; LANES],
+    near: [f32; LANES],
+}
+
+impl<'w> Eight<'w> {
+    const NONE: Eight<'w> = Eight {
+        numbers: [0; LANES],
+        indices: [PhotonIndex(0); LANES],
+        lamps: [0; LANES],
+        counts: [false; LANES],
+        hits: [0; LANES],
+        throughput: [[0.0; LANES]; 3],
+        origin: [[0.0; LANES]; 3],
+        direction: [[0.0; LANES]; 3],
+        axes: [[0; 3]; LANES],
+        shear: [[0.0; LANES]; 3],
+        leaves: [None; LANES],
+        near: [0.0; LANES],
+    };
+
+    /// The ray that one of them is on.
+    #[inline(always)]
+    pub fn ray(&self, k: usize) -> Ray<'w> {
+        Ray {
+            origin: lane(&self.origin, k).into(),
+            direction: lane(&self.direction, k).into(),
+            leaves: self.leaves[k],
+            near: self.near[k],
+            axes: self.axes[k],
+            shear: lane(&self.shear, k),
+        }
+    }
+
+    /// Sets the directions and what follows from them.
+    #[inline(always)]
+    fn aim<L: Lanes>(&mut self, l: L, directions: [L::Numbers; 3]) {
+        // Adding zero turns -0 into 0, as a ray does.
+        let [x, y, z] = directions;
+        let directions = [l.add(x, l.splat(0.0)), l.add(y, l.splat(0.0)), l.add(z, l.splat(0.0))];
+        let Aim { not_x, z_above_y, down, shear } = aims(l, directions);
+        (self.direction, self.shear) = (l.store_vectors(directions), l.store_vectors(shear));
+        let (not_x, z_above_y, down) = (l.bits(not_x), l.bits(z_above_y), l.bits(down));
+        let bit = |mask: u32, k: usize| mask >> k & 1 != 0;
+        self.axes = std::array::from_fn(|k| axes(bit(not_x, k), bit(z_above_y, k), bit(down, k)));
+    }
+
+    /// They arrive, or the first ones; who of them goes on, a bit each.
+    #[inline(always)]
+    pub fn land<L: Lanes>(&self, l: L, rules: &Rules, world: &World, met: &[Option<Hit>], log: &mut impl Log) -> (Landing, u32) {
+        let [mut normal, mut reflected] = [[[0.0; LANES]; 3]; 2];
+        for (k, hit) in met.iter().enumerate() {
+            if let Some(hit) = hit {
+                set_lane(&mut normal, k, hit.triangle.normal.to_array());
+            }
+        }
+        let [x, y, z] = l.load_vectors(&normal);
+        let back = l.less(l.splat(0.0), dots(l, [x, y, z], l.load_vectors(&self.direction)));
+        let facing = [l.choose(back, l.negative(x), x), l.choose(back, l.negative(y), y), l.choose(back, l.negative(z), z)];
+        let back = l.bits(back);
+        let mut u = [1.0; LANES];
+        for (k, hit) in met.iter().enumerate() {
+            let Some(hit) = hit else {
+                log.missed(self.numbers[k], &self.ray(k));
+                continue;
+            };
+            let side = (back >> k & 1) as u8;
+            log.of(self.numbers[k]).hit(hit, side, lane(&self.throughput, k).into(), self.lamps[k], self.counts[k], world);
+            set_lane(&mut reflected, k, reflectance(world, hit).to_array());
+            u[k] = rules.sequence.value(self.indices[k].0, 2 + 2 * self.hits[k] as usize);
+        }
+        let [red, green, blue] = l.load_vectors(&reflected);
+        let survival = l.max(red, l.max(green, blue));
+        let [of_red, of_green, of_blue] = l.load_vectors(&self.throughput);
+        let throughput =
+            [l.mul(of_red, l.div(red, survival)), l.mul(of_green, l.div(green, survival)), l.mul(of_blue, l.div(blue, survival))];
+        let survival = l.store(survival);
+        let mut going = 0;
+        for k in 0..met.len() {
+            let (survives, spent) = (u[k] < f64::from(survival[k]), self.hits[k] + 1 == LONGEST_PATH);
+            going |= u32::from(survives & !spent) << k;
+            let remapped = (u[k] / f64::from(survival[k])).min(1.0f64.next_down());
+            u[k] = if survives { remapped } else { 1.0 };
+        }
+        (Landing { throughput: l.store_vectors(throughput), u, facing: l.store_vectors(facing) }, going)
+    }
+}
+
+/// One of eight vectors.
+#[inline(always)]
+pub fn lane(vectors: &Vectors, k: usize) -> [f32; 3] {
+    vectors.map(|coordinates| coordinates[k])
+}
+
+#[inline(always)]
+fn set_lane(vectors: &mut Vectors, k: usize, to: [f32; 3]) {
+    vectors.iter_mut().zip(to).for_each(|(coordinates, to)| coordinates[k] = to);
+}
+
+/// What becomes of eight photons at the surfaces that they met.
+#[derive(Clone)]
+pub struct Landing {
+    /// What is left of them, per channel.
+    pub throughput: Vectors,
+    /// Random numbers, remapped after the decision that they survive; 1 if they do not.
+    pub u: [f64; LANES],
+    /// Normals on the side where they arrived.
+    facing: Vectors,
+}
+
+/// Photons side by side; all eights but the last are full.
+#[derive(Default)]
+pub struct Flock<'w> {
+    pub eights: Vec<Eight<'w>>,
+    pub len: usize,
+}
+
+impl<'w> Flock<'w> {
+    pub fn clear(&mut self) {
+        self.eights.clear();
+        self.len = 0;
+    }
+
+    /// Those of eight number `n`.
+    pub fn lanes(&self, n: usize) -> usize {
+        (self.len - n * LANES).min(LANES)
+    }
+
+    pub fn push(&mut self, number: u32, photon: &Photon<'w>) {
+        let k = self.len % LANES;
+        if k == 0 {
+            self.eights.push(Eight::NONE);
+        }
+        self.len += 1;
+        let last = self.eights.len() - 1;
+        let (eight, ray, Brought { lamp, throughput, counts }) = (&mut self.eights[last], photon.ray(), photon.brings());
+        (eight.numbers[k], eight.indices[k], eight.hits[k]) = (number, photon.index(), photon.hits());
+        (eight.lamps[k], eight.counts[k]) = (lamp, counts);
+        (eight.axes[k], eight.leaves[k], eight.near[k]) = (ray.axes, ray.leaves, ray.near);
+        set_lane(&mut eight.throughput, k, throughput.to_array());
+        set_lane(&mut eight.origin, k, ray.origin.to_array());
+        set_lane(&mut eight.direction, k, ray.direction.to_array());
+        set_lane(&mut eight.shear, k, ray.shear);
+    }
+
+    /// Emits eight photons (or fewer, the last ones), numbered from `first`.
+    #[inline(always)]
+    pub fn emit<L: Lanes>(
+        &mut self,
+        l: L,
+        rules: &Rules,
+        world: &'w World,
+        indices: &[PhotonIndex],
+        first: u32,
+        log: &mut impl Log,
+    ) {
+        let (mut eight, mut u, mut v) = (Eight::NONE, [0.0; LANES], [0.0; LANES]);
+        let (mut even, mut dark) = (true, false);
+        for (k, index) in indices.iter().enumerate() {
+            let chosen = world.choice().choose(rules.sequence.value(index.0, 0));
+            log.emitted(first + k as u32, chosen.map(|(lamp, _)| lamp as u16));
+            let Some((lamp, remapped)) = chosen else {
+                dark = true;
+                continue;
+            };
+            let Brought { lamp: number, counts, .. } = Brought::from_lamp(rules, world, lamp as u16);
+            (u[k], v[k]) = (remapped, rules.sequence.value(index.0, 1));
+            (eight.numbers[k], eight.indices[k], eight.lamps[k], eight.counts[k]) = (first + k as u32, *index, number, counts);
+            even &= world.shines_evenly(lamp) & (number == eight.lamps[0]);
+        }
+        if dark {
+            return;
+        }
+        let lamp = |k: usize| usize::from(eight.lamps[k]);
+        let directions = if even {
+            world.even_emission(l, lamp(0), l.load_doubles(&u), l.load_doubles(&v))
+        } else {
+            let mut directions = [[0.0; LANES]; 3];
+            (0..indices.len()).for_each(|k| set_lane(&mut directions, k, world.emission(lamp(k), u[k], v[k]).to_array()));
+            l.load_vectors(&directions)
+        };
+        let direction = l.store_vectors(directions);
+        for k in 0..indices.len() {
+            let placed = &world.lamps()[lamp(k)];
+            set_lane(&mut eight.origin, k, placed.start(lane(&direction, k).into()).to_array());
+        }
+        eight.throughput = [[1.0; LANES]; 3];
+        eight.aim(l, directions);
+        self.eights.push(eight);
+        self.len += indices.len();
+    }
+
+    /// The survivors leave the surfaces that they met: `places` are theirs among `from`, `met` and `landings`.
+    #[inline(always)]
+    pub fn leave<L: Lanes>(
+        &mut self,
+        l: L,
+        rules: &Rules,
+        step_back: f32,
+        from: &Flock<'w>,
+        (met, landings): (&[Option<Hit<'w>>], &[Landing]),
+        places: &[u32],
+    ) {
+        let mut eight = Eight::NONE;
+        let (mut u, mut v, mut distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let [mut facing, mut along, mut weights] = [[[0.0; LANES]; 3]; 3];
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        for (k, place) in places.iter().map(|place| *place as usize).enumerate() {
+            let (n, j) = (place / LANES, place % LANES);
+            let (was, landing) = (&from.eights[n], &landings[n]);
+            let Some(hit) = &met[place] else { continue };
+            (eight.numbers[k], eight.indices[k], eight.lamps[k]) = (was.numbers[j], was.indices[j], was.lamps[j]);
+            (eight.hits[k], eight.counts[k], eight.leaves[k]) = (was.hits[j] + 1, true, Some(hit.triangle));
+            set_lane(&mut eight.throughput, k, lane(&landing.throughput, j));
+            set_lane(&mut facing, k, lane(&landing.facing, j));
+            set_lane(&mut along, k, lane(&was.direction, j));
+            set_lane(&mut weights, k, hit.weights);
+            corners.iter_mut().zip(&hit.triangle.corners).for_each(|(to, corner)| set_lane(to, k, corner.to_array()));
+            distance[k] = hit.distance;
+            u[k] = landing.u[j];
+            v[k] = rules.sequence.value(was.indices[j].0, 3 + 2 * was.hits[j] as usize);
+        }
+        let (facing, along) = (l.load_vectors(&facing), l.load_vectors(&along));
+        let directions = cosine_hemispheres(l, facing, l.load_doubles(&u), l.load_doubles(&v));
+        let corners = [l.load_vectors(&corners[0]), l.load_vectors(&corners[1]), l.load_vectors(&corners[2])];
+        let points = points(l, corners, l.load_vectors(&weights));
+        eight.origin = l.store_vectors(before(l, points, l.load(&distance), facing, along, step_back));
+        eight.near = [step_back; LANES];
+        eight.aim(l, directions);
+        self.eights.push(eight);
+        self.len += places.len();
+    }
+}
