@@ -60,6 +60,8 @@ pub struct Beam<'r, L: Lanes> {
     inverse: [L::Numbers; 3],
     /// Which plane of a box is entered, per axis.
     near: [usize; 3],
+    /// The ray's own axes.
+    axes: [usize; 3],
     /// Origin along the ray's own axes.
     turned: [L::Numbers; 3],
     shear: [L::Numbers; 3],
@@ -85,6 +87,8 @@ impl<'r, L: Lanes> Beam<'r, L> {
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
         let inverse = inverse(ray.direction);
         let [x, y, z] = ray.axes.map(usize::from);
+        // Known from here on, and not looked at again for every block.
+        assert!(x < 3 && y < 3 && z < 3);
         let origin = ray.origin.to_array();
         let near = |inverse: f32, axis: usize| if inverse < 0.0 { axis + 3 } else { axis };
         Beam {
@@ -93,6 +97,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
             origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
             inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
             near: [near(inverse.x, 0), near(inverse.y, 1), near(inverse.z, 2)],
+            axes: [x, y, z],
             turned: [lanes.splat(origin[x]), lanes.splat(origin[y]), lanes.splat(origin[z])],
             shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
             zero: lanes.splat(0.0),
@@ -110,7 +115,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
     #[inline(always)]
     fn sheared(&self, corner: &[[f32; LANES]; 3]) -> [L::Numbers; 3] {
         let l = self.lanes;
-        let [x, y, z] = self.ray.axes.map(usize::from);
+        let [x, y, z] = self.axes;
         let depth = l.sub(l.load(&corner[z]), self.turned[2]);
         [
             l.add(l.sub(l.load(&corner[x]), self.turned[0]), l.mul(self.shear[0], depth)),
@@ -154,6 +159,9 @@ impl<'r, L: Lanes> Beam<'r, L> {
         let distance = l.add(l.add(l.mul(u, a[2]), l.mul(v, b[2])), l.mul(w, c[2]));
         let reached = l.and(l.at_most(self.zero, distance), l.at_most(distance, l.splat(limit)));
         let mask = l.bits(l.and(inside, reached));
+        if mask == 0 {
+            return Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+        }
         Met { mask, distances: l.store(distance), weights: [l.store(u), l.store(v), l.store(w)] }
     }
 }
