@@ -15,7 +15,7 @@ use crate::{
     wave::follow_apart,
 };
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{cell::RefCell, ops::Range};
 
 /// A step of repair.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -56,6 +56,11 @@ struct Room {
     members: Vec<PhotonIndex>,
 }
 
+thread_local! {
+    /// Of the repairs on a thread: the paths alone are some hundred lists, and a step is short.
+    static ROOM: RefCell<Room> = RefCell::default();
+}
+
 /// A marked photon.
 struct Marked {
     /// The place of its chunk among those that are repaired together.
@@ -77,8 +82,8 @@ impl LedgerSolution {
     /// the whole pool once. `None` if nothing is outstanding. What is outstanding stays so if the light that it would bring does not fit.
     pub fn repair_next(&mut self) -> Result<Option<Mended>, Full> {
         let next = self.next_chunks();
-        let repair = |room: &mut Room, chunks: &&[usize]| self.repair_chunks(chunks, room);
-        let repairs: Vec<Repair> = self.parts(&next).par_iter().map_init(Room::default, repair).collect();
+        let repair = |chunks: &&[usize]| ROOM.with_borrow_mut(|room| self.repair_chunks(chunks, room));
+        let repairs: Vec<Repair> = self.parts(&next).par_iter().map(repair).collect();
         book(repairs.iter().flat_map(|repair| [&repair.old, &repair.new]), &mut self.buckets, &mut self.tallies)?;
         let mut mended = Mended::default();
         for repair in repairs {
