@@ -73,11 +73,13 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             first += count as u32;
         }
         let mut going = Flock::default();
-        let (mut met, mut landings, mut places): (Vec<Option<Hit>>, Vec<Landing>, Vec<u32>) = Default::default();
+        let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
+            (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
+        let mut places: Vec<u32> = Vec::with_capacity(photons.len);
         while photons.len > 0 {
             met.clear();
             for place in 0..photons.len {
-                let (eight, k) = (&photons.eights[place / LANES], place % LANES);
+                let (eight, k) = (&photons.eights()[place / LANES], place % LANES);
                 log.of(eight.numbers[k]).ray();
                 met.push(world.nearest_in(l, &eight.ray(k), stack));
             }
@@ -85,7 +87,7 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             places.resize(photons.len, 0);
             let (mut lives, mut ends) = (0, photons.len);
             landings.clear();
-            for (n, eight) in photons.eights.iter().enumerate() {
+            for (n, eight) in photons.eights().iter().enumerate() {
                 let met = &met[n * LANES..][..photons.lanes(n)];
                 let (landing, survivors) = eight.land(l, rules, world, met, log);
                 landings.push(landing);
@@ -98,7 +100,7 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
                 }
             }
             for place in places[ends..].iter().map(|place| *place as usize) {
-                let (eight, k) = (&photons.eights[place / LANES], place % LANES);
+                let (eight, k) = (&photons.eights()[place / LANES], place % LANES);
                 let mut record = log.of(eight.numbers[k]);
                 match &met[place] {
                     None => record.end(End::Escaped, lane(&eight.throughput, k).into(), eight.lamps[k]),

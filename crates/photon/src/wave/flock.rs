@@ -142,14 +142,31 @@ pub struct Landing {
 /// Photons side by side; all eights but the last are full.
 #[derive(Default)]
 pub struct Flock<'w> {
-    pub eights: Vec<Eight<'w>>,
+    /// Perhaps more than there are photons for: a flock that is cleared keeps them, and what is in them.
+    eights: Vec<Eight<'w>>,
+    /// How many photons.
     pub len: usize,
 }
 
 impl<'w> Flock<'w> {
+    /// Without photons.
     pub fn clear(&mut self) {
-        self.eights.clear();
         self.len = 0;
+    }
+
+    /// They, eight by eight.
+    pub fn eights(&self) -> &[Eight<'w>] {
+        &self.eights[..self.len.div_ceil(LANES)]
+    }
+
+    /// Room for eight more, to be set in place: copying them would take as long as computing them.
+    #[inline(always)]
+    fn next(&mut self) -> &mut Eight<'w> {
+        let used = self.len / LANES;
+        if used == self.eights.len() {
+            self.eights.push(Eight::NONE);
+        }
+        &mut self.eights[used]
     }
 
     /// Those of eight number `n`.
@@ -157,14 +174,10 @@ impl<'w> Flock<'w> {
         (self.len - n * LANES).min(LANES)
     }
 
+    /// Adds a photon.
     pub fn push(&mut self, number: u32, photon: &Photon<'w>) {
         let k = self.len % LANES;
-        if k == 0 {
-            self.eights.push(Eight::NONE);
-        }
-        self.len += 1;
-        let last = self.eights.len() - 1;
-        let (eight, ray, Brought { lamp, throughput, counts }) = (&mut self.eights[last], photon.ray(), photon.brings());
+        let (eight, ray, Brought { lamp, throughput, counts }) = (self.next(), photon.ray(), photon.brings());
         (eight.numbers[k], eight.indices[k], eight.hits[k]) = (number, photon.index(), photon.hits());
         (eight.lamps[k], eight.counts[k]) = (lamp, counts);
         (eight.axes[k], eight.leaves[k], eight.near[k]) = (ray.axes, ray.leaves, ray.near);
@@ -172,6 +185,7 @@ impl<'w> Flock<'w> {
         set_lane(&mut eight.origin, k, ray.origin.to_array());
         set_lane(&mut eight.direction, k, ray.direction.to_array());
         set_lane(&mut eight.shear, k, ray.shear);
+        self.len += 1;
     }
 
     /// Emits eight photons (or fewer, the last ones), numbered from `first`.
@@ -185,7 +199,8 @@ impl<'w> Flock<'w> {
         first: u32,
         log: &mut impl Log,
     ) {
-        let (mut eight, mut u, mut v) = (Eight::NONE, [0.0; LANES], [0.0; LANES]);
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        let eight = self.next();
         let (mut even, mut dark) = (true, false);
         for (k, index) in indices.iter().enumerate() {
             let chosen = world.choice().choose(rules.sequence.value(index.0, 0));
@@ -215,9 +230,8 @@ impl<'w> Flock<'w> {
             let placed = &world.lamps()[lamp(k)];
             set_lane(&mut eight.origin, k, placed.start(lane(&direction, k).into()).to_array());
         }
-        eight.throughput = [[1.0; LANES]; 3];
+        (eight.hits, eight.throughput, eight.leaves, eight.near) = ([0; LANES], [[1.0; LANES]; 3], [None; LANES], [0.0; LANES]);
         eight.aim(l, directions);
-        self.eights.push(eight);
         self.len += indices.len();
     }
 
@@ -232,7 +246,7 @@ impl<'w> Flock<'w> {
         (met, landings): (&[Option<Hit<'w>>], &[Landing]),
         places: &[u32],
     ) {
-        let mut eight = Eight::NONE;
+        let eight = self.next();
         let (mut u, mut v, mut distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         let [mut facing, mut along, mut weights] = [[[0.0; LANES]; 3]; 3];
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -258,7 +272,6 @@ impl<'w> Flock<'w> {
         eight.origin = l.store_vectors(before(l, points, l.load(&distance), facing, along, step_back));
         eight.near = [step_back; LANES];
         eight.aim(l, directions);
-        self.eights.push(eight);
         self.len += places.len();
     }
 }
