@@ -53,6 +53,8 @@ pub struct Effort {
     pub exact: usize,
     /// Up to so many items are not split. Above 1: quicker builds, less choice for the collapse.
     pub whole: usize,
+    /// Of so many branches, the largest, better places are looked for ([`crate::reinsert`]). More: better trees, longer builds.
+    pub moved: usize,
 }
 
 /// From this depth on, splits are in the middle: a bound of the depth, whatever the boxes are.

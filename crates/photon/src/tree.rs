@@ -7,6 +7,7 @@
 use crate::{
     collapse::Collapse,
     lanes::{LANES, Lanes},
+    reinsert::reinsert,
     split::{Bounds, Branch, Effort, binary},
     stack::Stack,
     triangle::{Hit, Ray, Triangle},
@@ -169,7 +170,10 @@ impl Tree {
             Bounds { low: (a.min(b).min(c) - padding).into(), high: (a.max(b).max(c) + padding).into() }
         };
         let boxes: Vec<Bounds> = triangles.iter().map(bounds).collect();
-        let (branches, order) = binary(&boxes, effort);
+        let (mut branches, mut order) = binary(&boxes, effort);
+        if effort.moved > 0 {
+            reinsert(&mut branches, &mut order, effort.moved);
+        }
         *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
         let collapse = Collapse::new(&branches);
         let mut growing = Growing::default();
