@@ -24,7 +24,7 @@ impl TreePreset {
     fn effort(self) -> Effort {
         match self {
             TreePreset::Fast => Effort { bins: 8, exact: 0, whole: 8, moved: 0 },
-            TreePreset::Medium => Effort { bins: 16, exact: 24, whole: 1, moved: 4096 },
+            TreePreset::Medium => Effort { bins: 16, exact: 24, whole: 1, moved: 2048 },
         }
     }
 }

@@ -1,6 +1,6 @@
-//! A better binary tree by reinsertion: a branch is taken out and put where the areas of all boxes together become least.
+//! A better binary tree by reinsertion: a branch is taken out and put where the weights of all boxes together become least.
 //!
-//! Meister, Bittner 2018, *Parallel Reinsertion for Bounding Volume Hierarchy Optimization*, one branch after the other: the largest ones
+//! Meister, Bittner 2018, *Parallel Reinsertion for Bounding Volume Hierarchy Optimization*, one branch after the other: the heaviest
 //! first, in passes over ever fewer of them. Splits from the top down group by middles of boxes, so that what is large and flat shares
 //! branches with what is small; this takes it out.
 
@@ -22,7 +22,7 @@ struct Moving<'a> {
     /// Levels below each branch.
     heights: Vec<u8>,
     root: u32,
-    /// Of a search: what is yet to be tried, and the area that would be gone if all boxes down to it were as they are then.
+    /// Of a search: what is yet to be tried, and the weight that is gone before it is entered.
     stack: Vec<(f32, u32)>,
 }
 
@@ -38,7 +38,7 @@ pub fn reinsert(branches: &mut [Branch], order: &mut Vec<u32>, most: usize) {
         }
     }
     for part in (1..=LAST).step_by(2) {
-        for own in moving.largest(most / part) {
+        for own in moving.heaviest(most / part) {
             if let Some(to) = moving.better_place(own) {
                 moving.put(own, to);
             }
@@ -49,23 +49,23 @@ pub fn reinsert(branches: &mut [Branch], order: &mut Vec<u32>, most: usize) {
 }
 
 impl Moving<'_> {
-    fn area(&self, branch: u32) -> f32 {
-        self.branches[branch as usize].bounds.area()
+    fn weight(&self, branch: u32) -> f32 {
+        self.branches[branch as usize].bounds.weight()
     }
 
-    /// The largest branches but for the root, in order.
-    fn largest(&self, most: usize) -> Vec<u32> {
-        let mut largest = Vec::with_capacity(most + 1);
-        // No branch is larger than its parent. Areas order as their bits do.
-        let mut next = BinaryHeap::from([(self.area(self.root).to_bits(), Reverse(self.root))]);
-        while largest.len() <= most
+    /// The branches of most weight but for the root, in order.
+    fn heaviest(&self, most: usize) -> Vec<u32> {
+        let mut heaviest = Vec::with_capacity(most + 1);
+        // None has more than its parent. Weights order as their bits do.
+        let mut next = BinaryHeap::from([(self.weight(self.root).to_bits(), Reverse(self.root))]);
+        while heaviest.len() <= most
             && let Some((_, Reverse(branch))) = next.pop()
         {
-            largest.push(branch);
+            heaviest.push(branch);
             let halves = self.branches[branch as usize].halves.into_iter().flatten();
-            next.extend(halves.map(|half| (self.area(half).to_bits(), Reverse(half))));
+            next.extend(halves.map(|half| (self.weight(half).to_bits(), Reverse(half))));
         }
-        largest.split_off(1)
+        heaviest.split_off(1)
     }
 
     fn sibling(&self, branch: u32) -> u32 {
@@ -73,34 +73,34 @@ impl Moving<'_> {
         if a == branch { b } else { a }
     }
 
-    /// Beside which branch `own` makes the areas' sum least, if not where it is (algorithm 1).
+    /// Beside which branch `own` makes the sum of weights least, if not where it is (algorithm 1).
     fn better_place(&mut self, own: u32) -> Option<u32> {
-        let (bounds, area) = (self.branches[own as usize].bounds, self.area(own));
+        let (bounds, weight) = (self.branches[own as usize].bounds, self.weight(own));
         let mut best = (0.0, None);
         // What is left of the branches above, without `own`.
         let mut left = Bounds::EMPTY;
         let mut below = own;
-        let mut gone = self.area(self.parents[own as usize]);
+        let mut gone = self.weight(self.parents[own as usize]);
         while below != self.root {
             let (above, sibling) = (self.parents[below as usize], self.sibling(below));
             self.stack.push((gone, sibling));
             while let Some((gone, to)) = self.stack.pop() {
-                if gone - area <= best.0 {
+                if gone - weight <= best.0 {
                     continue;
                 }
                 let branch = &self.branches[to as usize];
-                let gain = gone - branch.bounds.with(bounds).area();
+                let gain = gone - branch.bounds.with(bounds).weight();
                 if gain > best.0 && self.is_shallow(own, to) {
                     best = (gain, Some(to));
                 }
-                let within = gain + branch.bounds.area();
+                let within = gain + branch.bounds.weight();
                 self.stack.extend(branch.halves.into_iter().flatten().map(|half| (within, half)));
             }
             left = left.with(self.branches[sibling as usize].bounds);
             if below != own {
                 // Beside all else that is in there.
-                let whole = self.area(above);
-                gone += whole - left.area();
+                let whole = self.weight(above);
+                gone += whole - left.weight();
                 if gone - whole > best.0 && self.is_shallow(own, above) {
                     best = (gone - whole, Some(above));
                 }
@@ -215,14 +215,14 @@ mod tests {
         boxes.collect()
     }
 
-    /// Boxes one in the other, for which a chain has the least area.
+    /// Boxes one in the other, for which a chain has the least weight.
     fn nested(count: u32) -> Vec<Bounds> {
         let size = |n: u32| Vec3A::splat(1.01f32.powi(n as i32));
         (0..count).map(|n| box_at(-size(n), 2.0 * size(n))).collect()
     }
 
-    fn areas(branches: &[Branch]) -> f64 {
-        branches.iter().map(|branch| f64::from(branch.bounds.area())).sum()
+    fn weights(branches: &[Branch]) -> f64 {
+        branches.iter().map(|branch| f64::from(branch.bounds.weight())).sum()
     }
 
     /// Checks that it is a tree over all boxes, and returns how many levels it has.
@@ -255,18 +255,18 @@ mod tests {
     }
 
     #[test]
-    fn it_stays_a_tree_and_areas_only_shrink() {
+    fn it_stays_a_tree_and_loses_weight() {
         for whole in [1, 5] {
             let boxes = furniture(3000);
             let (mut branches, mut order) = binary(&boxes, Effort { whole, ..SPLITS });
-            let at_first = areas(&branches);
+            let at_first = weights(&branches);
             let mut before = at_first;
             for most in [1, 10, 100, 1000, 1_000_000] {
                 reinsert(&mut branches, &mut order, most);
                 check(&branches, &order, &boxes);
-                // Sums of f32 areas differ by their rounding.
-                assert!(areas(&branches) < before * (1.0 + 1e-6), "{most}: {} after {before}", areas(&branches));
-                before = areas(&branches);
+                // Sums of weights in f32 differ by their rounding.
+                assert!(weights(&branches) < before * (1.0 + 1e-6), "{most}: {} after {before}", weights(&branches));
+                before = weights(&branches);
             }
             assert!(before < 0.95 * at_first, "{before} of {at_first}");
         }

@@ -205,8 +205,8 @@ impl Growing {
         let own = self.nodes.len();
         self.nodes.push(Node { planes: NO_BOXES, children: [BLOCK; LANES] });
         let mut children = collapse.children(branch);
-        // The largest lies next in memory.
-        children.sort_by(|a, b| branches[*b].bounds.area().total_cmp(&branches[*a].bounds.area()));
+        // The heaviest lies next in memory.
+        children.sort_by(|a, b| branches[*b].bounds.weight().total_cmp(&branches[*a].bounds.weight()));
         for (k, child) in children.into_iter().enumerate() {
             let number = if collapse.is_block(child) {
                 let items = branches[child].items.clone();
