@@ -26,17 +26,16 @@ struct Moving<'a> {
     stack: Vec<(f32, u32)>,
 }
 
-/// Improves a tree over boxes in some order, trying a new place for `most` of its branches and then again for ever fewer.
-pub fn reinsert(branches: &mut [Branch], order: &mut Vec<u32>, most: usize) {
-    let count = branches.len();
-    let (parents, heights) = (vec![NONE; count], vec![0; count]);
-    let mut moving = Moving { branches, parents, heights, root: 0, stack: Vec::new() };
-    for own in (0..count).rev() {
-        if let Some(halves) = moving.branches[own].halves {
-            halves.iter().for_each(|half| moving.parents[*half as usize] = own as u32);
-            moving.measure(own);
+/// A better tree over boxes in some order: looks for a new place for `most` of its branches, and then again for ever fewer.
+pub fn reinsert((mut branches, order): (Vec<Branch>, Vec<u32>), most: usize) -> (Vec<Branch>, Vec<u32>) {
+    let (mut parents, mut heights) = (vec![NONE; branches.len()], vec![0; branches.len()]);
+    for (own, branch) in branches.iter().enumerate().rev() {
+        if let Some([a, b]) = branch.halves.map(|halves| halves.map(|half| half as usize)) {
+            (parents[a], parents[b]) = (own as u32, own as u32);
+            heights[own] = 1 + heights[a].max(heights[b]);
         }
     }
+    let mut moving = Moving { branches: &mut branches, parents, heights, root: 0, stack: Vec::new() };
     for part in (1..=LAST).step_by(2) {
         for own in moving.heaviest(most / part) {
             if let Some(to) = moving.better_place(own) {
@@ -45,7 +44,7 @@ pub fn reinsert(branches: &mut [Branch], order: &mut Vec<u32>, most: usize) {
         }
     }
     let root = moving.root;
-    lay_out(branches, order, root);
+    laid_out(&branches, &order, root)
 }
 
 impl Moving<'_> {
@@ -152,39 +151,32 @@ impl Moving<'_> {
     }
 }
 
-/// Renumbers branches and order: parents before children, each branch a range of the order.
-fn lay_out(branches: &mut [Branch], order: &mut Vec<u32>, root: u32) {
-    let mut places = vec![0; branches.len()];
-    let mut laid_out = Vec::with_capacity(order.len());
-    let (mut place, mut next) = (0, vec![root]);
-    while let Some(own) = next.pop() {
-        places[own as usize] = place;
-        place += 1;
-        let branch = &mut branches[own as usize];
+/// The tree and its order anew: parents before children, each branch a range of the order.
+fn laid_out(branches: &[Branch], order: &[u32], root: u32) -> (Vec<Branch>, Vec<u32>) {
+    let (mut laid_out, mut order_of_it) = (Vec::with_capacity(branches.len()), Vec::with_capacity(order.len()));
+    let mut next = vec![(root, None)];
+    while let Some((old, half_of)) = next.pop() {
+        let own = laid_out.len() as u32;
+        let mut branch = branches[old as usize].clone();
+        if let Some((parent, half)) = half_of {
+            let parent: &mut Branch = &mut laid_out[parent as usize];
+            parent.halves.as_mut().expect("halves")[half] = own;
+        }
         if let Some([a, b]) = branch.halves {
-            next.extend([b, a]);
+            next.extend([(b, Some((own, 1))), (a, Some((own, 0)))]);
         } else {
-            let items = laid_out.len() as u32;
-            laid_out.extend(&order[branch.items.start as usize..branch.items.end as usize]);
-            branch.items = items..laid_out.len() as u32;
+            let first = order_of_it.len() as u32;
+            order_of_it.extend(&order[branch.items.start as usize..branch.items.end as usize]);
+            branch.items = first..order_of_it.len() as u32;
+        }
+        laid_out.push(branch);
+    }
+    for own in (0..laid_out.len()).rev() {
+        if let Some([a, b]) = laid_out[own].halves {
+            laid_out[own].items = laid_out[a as usize].items.start..laid_out[b as usize].items.end;
         }
     }
-    *order = laid_out;
-    for branch in branches.iter_mut() {
-        branch.halves = branch.halves.map(|halves| halves.map(|half| places[half as usize]));
-    }
-    for own in 0..branches.len() {
-        while places[own] as usize != own {
-            let place = places[own] as usize;
-            branches.swap(own, place);
-            places.swap(own, place);
-        }
-    }
-    for own in (0..branches.len()).rev() {
-        if let Some([a, b]) = branches[own].halves {
-            branches[own].items = branches[a as usize].items.start..branches[b as usize].items.end;
-        }
-    }
+    (laid_out, order_of_it)
 }
 
 #[cfg(test)]
@@ -262,7 +254,7 @@ mod tests {
             let at_first = weights(&branches);
             let mut before = at_first;
             for most in [1, 10, 100, 1000, 1_000_000] {
-                reinsert(&mut branches, &mut order, most);
+                (branches, order) = reinsert((branches, order), most);
                 check(&branches, &order, &boxes);
                 // Sums of weights in f32 differ by their rounding.
                 assert!(weights(&branches) < before * (1.0 + 1e-6), "{most}: {} after {before}", weights(&branches));
@@ -276,8 +268,7 @@ mod tests {
     fn small_trees_are_left_as_they_are() {
         for count in 1..=2 {
             let boxes = furniture(count);
-            let (mut branches, mut order) = binary(&boxes, SPLITS);
-            reinsert(&mut branches, &mut order, 100);
+            let (branches, order) = reinsert(binary(&boxes, SPLITS), 100);
             assert_eq!(check(&branches, &order, &boxes), count as usize - 1);
         }
     }
@@ -293,8 +284,7 @@ mod tests {
         };
         let mut branches = vec![branch(0..4, Some([1, 2])), branch(0..2, Some([3, 4])), branch(2..4, Some([5, 6]))];
         branches.extend((0..4).map(|item| branch(item..item + 1, None)));
-        let mut order = vec![0, 1, 2, 3];
-        reinsert(&mut branches, &mut order, 100);
+        let (branches, order) = reinsert((branches, vec![0, 1, 2, 3]), 100);
         check(&branches, &order, &boxes);
         for [a, b] in [[0, 2], [1, 3]] {
             let pair = boxes[a].with(boxes[b]);
@@ -307,7 +297,7 @@ mod tests {
         let boxes = nested(3000);
         let (mut branches, mut order) = binary(&boxes, SPLITS);
         assert!(check(&branches, &order, &boxes) < 20);
-        reinsert(&mut branches, &mut order, 1_000_000);
+        (branches, order) = reinsert((branches, order), 1_000_000);
         assert_eq!(check(&branches, &order, &boxes), LEVELS, "as a chain it would have 2999");
     }
 }

@@ -169,10 +169,9 @@ impl Tree {
             let [a, b, c] = t.corners;
             Bounds { low: (a.min(b).min(c) - padding).into(), high: (a.max(b).max(c) + padding).into() }
         };
-        let boxes: Vec<Bounds> = triangles.iter().map(bounds).collect();
-        let (mut branches, mut order) = binary(&boxes, effort);
+        let (mut branches, mut order) = binary(&triangles.iter().map(bounds).collect::<Vec<_>>(), effort);
         if effort.moved > 0 {
-            reinsert(&mut branches, &mut order, effort.moved);
+            (branches, order) = reinsert((branches, order), effort.moved);
         }
         *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
         let collapse = Collapse::new(&branches);
