@@ -12,6 +12,8 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 
 /// The pass over all candidates is followed by passes over a third of them, a fifth, … one of so many.
 const LAST: usize = 31;
+/// A search looks at no more branches: boxes that all lie in each other would make it look at all.
+const LOOKS: usize = 4096;
 /// No branch: above the root.
 const NONE: u32 = u32::MAX;
 
@@ -78,13 +80,14 @@ impl Moving<'_> {
         let mut best = (0.0, None);
         // What is left of the branches above, without `own`.
         let mut left = Bounds::EMPTY;
-        let mut below = own;
+        let (mut below, mut looks) = (own, 0);
         let mut gone = self.weight(self.parents[own as usize]);
         while below != self.root {
             let (above, sibling) = (self.parents[below as usize], self.sibling(below));
             self.stack.push((gone, sibling));
             while let Some((gone, to)) = self.stack.pop() {
-                if gone - weight <= best.0 {
+                looks += 1;
+                if gone - weight <= best.0 || looks > LOOKS {
                     continue;
                 }
                 let branch = &self.branches[to as usize];
