@@ -23,8 +23,8 @@ pub enum TreePreset {
 impl TreePreset {
     fn effort(self) -> Effort {
         match self {
-            TreePreset::Fast => Effort { bins: 8, exact: 0, whole: 8 },
-            TreePreset::Medium => Effort { bins: 16, exact: 24, whole: 1 },
+            TreePreset::Fast => Effort { bins: 8, exact: 0, whole: 8, moved: 0 },
+            TreePreset::Medium => Effort { bins: 16, exact: 24, whole: 1, moved: 2048 },
         }
     }
 }

@@ -17,11 +17,11 @@ impl Collapse<'_> {
     pub fn new(branches: &[Branch]) -> Collapse<'_> {
         let mut collapse = Collapse { branches, costs: vec![[0.0; LANES]; branches.len()] };
         for branch in (0..branches.len()).rev() {
-            let area = branches[branch].bounds.area();
-            let mut costs = [area; LANES];
+            let own = branches[branch].bounds.weight();
+            let mut costs = [own; LANES];
             if branches[branch].halves.is_some() {
-                let inner = area + collapse.shared_out(branch, LANES).0;
-                costs[0] = if collapse.is_block(branch) { area } else { inner };
+                let inner = own + collapse.shared_out(branch, LANES).0;
+                costs[0] = if collapse.is_block(branch) { own } else { inner };
                 for places in 2..LANES {
                     costs[places - 1] = costs[places - 2].min(collapse.shared_out(branch, places).0);
                 }

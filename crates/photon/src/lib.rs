@@ -50,6 +50,7 @@ pub mod reconstruction;
 pub mod record;
 pub mod recovery;
 pub mod reference;
+mod reinsert;
 pub mod sampling;
 pub mod saved;
 pub mod shooting;

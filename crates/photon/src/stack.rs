@@ -1,7 +1,8 @@
 //! What a ray has yet to visit of a tree.
 
-/// Above 7 per level of the deepest tree: 32 levels of any split, 24 of halves, 24 of the exact splits of small branches.
-const SIZE: usize = 640;
+/// Of the deepest tree. Splits make 82 at most (32 of any kind, 27 of halves, 23 of the exact ones); reinsertion goes no deeper than this.
+pub const LEVELS: usize = 90;
+const SIZE: usize = 7 * LEVELS;
 
 /// Children of nodes and where the ray enters them. One stack serves all rays of a thread: clearing five kilobytes for each would be a
 /// good part of what it takes to trace it.

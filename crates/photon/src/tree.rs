@@ -7,6 +7,7 @@
 use crate::{
     collapse::Collapse,
     lanes::{LANES, Lanes},
+    reinsert::reinsert,
     split::{Bounds, Branch, Effort, binary},
     stack::Stack,
     triangle::{Hit, Ray, Triangle},
@@ -176,8 +177,10 @@ impl Tree {
             let [a, b, c] = t.corners;
             Bounds { low: (a.min(b).min(c) - padding).into(), high: (a.max(b).max(c) + padding).into() }
         };
-        let boxes: Vec<Bounds> = triangles.iter().map(bounds).collect();
-        let (branches, order) = binary(&boxes, effort);
+        let (mut branches, mut order) = binary(&triangles.iter().map(bounds).collect::<Vec<_>>(), effort);
+        if effort.moved > 0 {
+            (branches, order) = reinsert((branches, order), effort.moved);
+        }
         *triangles = order.iter().map(|i| triangles[*i as usize]).collect();
         let collapse = Collapse::new(&branches);
         let mut growing = Growing::default();
@@ -209,8 +212,8 @@ impl Growing {
         let own = self.nodes.len();
         self.nodes.push(Node { planes: NO_BOXES, children: [BLOCK; LANES] });
         let mut children = collapse.children(branch);
-        // The largest lies next in memory.
-        children.sort_by(|a, b| branches[*b].bounds.area().total_cmp(&branches[*a].bounds.area()));
+        // The heaviest lies next in memory.
+        children.sort_by(|a, b| branches[*b].bounds.weight().total_cmp(&branches[*a].bounds.weight()));
         for (k, child) in children.into_iter().enumerate() {
             let number = if collapse.is_block(child) {
                 let items = branches[child].items.clone();
