@@ -130,8 +130,7 @@ impl Buckets {
         let more: i64 = added.clone().map(|deposits| deposits.len() as i64).sum();
         self.admit(more - less)?;
         let batches = taken.map(|deposits| (deposits, -1)).chain(added.map(|deposits| (deposits, 1)));
-        // A table of all pages costs more than so few deposits.
-        if less + more < (self.pages.len() * self.width()) as i64 {
+        if less + more < self.few() {
             for (deposits, sign) in batches {
                 deposits.iter().for_each(|deposit| self.page(deposit.to)[deposit.to.cell as usize].count(deposit, sign));
             }
@@ -141,6 +140,12 @@ impl Buckets {
         }
         self.deposits += more - less;
         Ok(())
+    }
+
+    /// Deposits from which on a [`Table`] of all pages is faster than to look for the page of each: two for every page. (Measured: at one the table
+    /// takes 1.1 to 1.3 times as long, at two 0.98 and 1.1, at four 0.9.)
+    fn few(&self) -> i64 {
+        2 * (self.pages.len() * self.width()) as i64
     }
 
     /// Pages of an object, dark ones too.

@@ -81,7 +81,7 @@ mod tests {
         let room = room();
         let deposits = scattered(&room, 20_000);
         let mut single = Buckets::new(&room);
-        let border = single.pages.len() * single.width();
+        let border = single.few() as usize;
         assert!((100..10_000).contains(&border));
         deposits.iter().for_each(|deposit| single.add(&[*deposit]).unwrap());
         for size in [border - 1, border, border + 1, deposits.len()] {
