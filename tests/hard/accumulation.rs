@@ -197,7 +197,7 @@ fn residue(scene: &Arc<Scene>) -> Row {
     let deposits: Vec<Deposit> = (0..1_000_000).map(deposit).collect();
     let back: Vec<Deposit> = deposits.iter().rev().copied().collect();
     buckets.add(&deposits).unwrap();
-    buckets.take_back(&back);
+    buckets.exchange(std::iter::once(&*back), std::iter::empty()).unwrap();
     let left: DVec3 = buckets
         .lit()
         .zip(solution.buckets().lit())

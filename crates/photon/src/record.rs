@@ -136,12 +136,9 @@ pub(crate) fn book<'o>(
     buckets: &mut Buckets,
     tallies: &mut [Tally],
 ) -> Result<(), Full> {
-    let count = |outcome: &Outcome| if outcome.negative { -1 } else { 1 } * outcome.deposits.len() as i64;
-    buckets.admit(outcomes.clone().map(count).sum())?;
-    outcomes.clone().filter(|outcome| outcome.negative).for_each(|outcome| buckets.take_back(&outcome.deposits));
-    for outcome in outcomes.clone().filter(|outcome| !outcome.negative) {
-        buckets.add(&outcome.deposits)?;
-    }
+    let of_sign =
+        |negative: bool| outcomes.clone().filter(move |outcome| outcome.negative == negative).map(|outcome| &*outcome.deposits);
+    buckets.exchange(of_sign(true), of_sign(false))?;
     for outcome in outcomes {
         tallies.iter_mut().zip(&outcome.tallies).for_each(|(sum, tally)| sum.add(tally));
     }
