@@ -521,14 +521,23 @@ impl World {
         }
     }
 
-    /// Whether lamp `id` shines alike in all directions.
-    pub(crate) fn shines_evenly(&self, id: usize) -> bool {
-        self.configuration.lamp(id).photometry.is_none()
+    /// [`emission`](Self::emission) of eight photons, coordinate by coordinate.
+    #[inline(always)]
+    pub(crate) fn emissions<L: Lanes>(&self, l: L, id: usize, u: &[f64; LANES], v: &[f64; LANES]) -> [[f32; LANES]; 3] {
+        let Some(photometry) = &self.configuration.lamp(id).photometry else {
+            return l.store_vectors(self.even_emission(l, id, l.load_doubles(u), l.load_doubles(v)));
+        };
+        let mut directions = [[0.0; LANES]; 3];
+        for (k, local) in photometry.sample_each(*u, *v).into_iter().enumerate() {
+            let direction = (self.lamps[id].rotation * local).as_vec3();
+            directions.iter_mut().zip(direction.to_array()).for_each(|(coordinates, d)| coordinates[k] = d);
+        }
+        directions
     }
 
     /// [`emission`](Self::emission) from a lamp that shines evenly, coordinate by coordinate.
     #[inline(always)]
-    pub(crate) fn even_emission<A: Arithmetic>(&self, a: A, id: usize, u: A::Doubles, v: A::Doubles) -> [A::Numbers; 3] {
+    fn even_emission<A: Arithmetic>(&self, a: A, id: usize, u: A::Doubles, v: A::Doubles) -> [A::Numbers; 3] {
         let [x, y, z] = uniform_sphere(u, v);
         let [p, q, r] = self.lamps[id].rotation.to_cols_array_2d();
         [

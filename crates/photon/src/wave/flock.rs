@@ -201,7 +201,7 @@ impl<'w> Flock<'w> {
     ) {
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
         let eight = self.next();
-        let (mut even, mut dark) = (true, false);
+        let (mut alike, mut dark) = (true, false);
         for (k, index) in indices.iter().enumerate() {
             let chosen = world.choice().choose(rules.sequence.value(index.0, 0));
             log.emitted(first + k as u32, chosen.map(|(lamp, _)| lamp as u16));
@@ -212,26 +212,25 @@ impl<'w> Flock<'w> {
             let Brought { lamp: number, counts, .. } = Brought::from_lamp(rules, world, lamp as u16);
             (u[k], v[k]) = (remapped, rules.sequence.value(index.0, 1));
             (eight.numbers[k], eight.indices[k], eight.lamps[k], eight.counts[k]) = (first + k as u32, *index, number, counts);
-            even &= world.shines_evenly(lamp) & (number == eight.lamps[0]);
+            alike &= number == eight.lamps[0];
         }
         if dark {
             return;
         }
         let lamp = |k: usize| usize::from(eight.lamps[k]);
-        let directions = if even {
-            world.even_emission(l, lamp(0), l.load_doubles(&u), l.load_doubles(&v))
+        let direction = if alike {
+            world.emissions(l, lamp(0), &u, &v)
         } else {
-            let mut directions = [[0.0; LANES]; 3];
-            (0..indices.len()).for_each(|k| set_lane(&mut directions, k, world.emission(lamp(k), u[k], v[k]).to_array()));
-            l.load_vectors(&directions)
+            let mut direction = [[0.0; LANES]; 3];
+            (0..indices.len()).for_each(|k| set_lane(&mut direction, k, world.emission(lamp(k), u[k], v[k]).to_array()));
+            direction
         };
-        let direction = l.store_vectors(directions);
         for k in 0..indices.len() {
             let placed = &world.lamps()[lamp(k)];
             set_lane(&mut eight.origin, k, placed.start(lane(&direction, k).into()).to_array());
         }
         (eight.hits, eight.throughput, eight.leaves, eight.near) = ([0; LANES], [[1.0; LANES]; 3], [None; LANES], [0.0; LANES]);
-        eight.aim(l, directions);
+        eight.aim(l, l.load_vectors(&direction));
         self.len += indices.len();
     }
 

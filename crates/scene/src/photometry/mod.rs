@@ -78,7 +78,14 @@ impl Photometry {
     /// keeps its evenness. Directions of zero intensity never come out. The same bits on every machine. A lamp
     /// without flux answers -z: leave such lamps out.
     pub fn sample(&self, u: f64, v: f64) -> DVec3 {
-        self.sampler.sample(&self.horizontal, &self.candela, u, v)
+        let [direction] = self.sample_each([u], [v]);
+        direction
+    }
+
+    /// [`sample`](Self::sample) of several pairs; in less time than one after the other.
+    #[inline(always)]
+    pub fn sample_each<const N: usize>(&self, u: [f64; N], v: [f64; N]) -> [DVec3; N] {
+        self.sampler.sample_each(&self.horizontal, &self.candela, u, v)
     }
 
     /// The measured γ, degrees, strictly increasing within 0..=180.

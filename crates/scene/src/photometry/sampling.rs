@@ -80,7 +80,7 @@ impl Sampler {
             for cut in 0..cuts as usize {
                 let offset = cut as f64 / cuts;
                 let band = Band::new(vertical[row] + span * offset, span / cuts, begin + rise * offset, rise / (span * RADIAN));
-                let lumens = band.up_to(band.width).0.max(0.0);
+                let lumens = band.up_to(band.width).max(0.0);
                 bands.push((Band { row, offset, per_degree: 1.0 / span, ..band }, lumens));
             }
         }
@@ -105,27 +105,38 @@ impl Sampler {
         self.flux
     }
 
-    /// See `Photometry::sample`; the columns and the table are those that `new` saw.
-    pub(super) fn sample(&self, horizontal: &[f64], candela: &[f64], u: f64, v: f64) -> DVec3 {
-        debug_assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v), "({u}, {v}) is outside [0, 1)");
-        let Some(last) = self.bands.len().checked_sub(1) else { return DVec3::NEG_Z };
-        let (u, v) = (u.min(BELOW_ONE), v.min(BELOW_ONE));
-
-        // The band of u, and γ in it.
-        let mut k = self.guide[(u * self.guide.len() as f64) as usize] as usize;
-        while k < last && self.bands[k].share.1 <= u {
-            k += 1;
-        }
-        let band = &self.bands[k];
-        let h = band.invert((u - band.share.0) * self.flux);
-        let ahead = (h * (1.0 / RADIAN)).max(INSIDE).min(band.width_degrees - INSIDE);
-        let c = match self.axial {
-            true => 360.0 * v,
-            false => self.turn(horizontal, candela, band.row, band.offset + ahead * band.per_degree, v),
-        };
-        let (sin_gamma, cos_gamma) = sin_cos_degrees(band.gamma + ahead);
-        let (sin_c, cos_c) = sin_cos_degrees(c);
-        DVec3::new(sin_gamma * cos_c, sin_gamma * sin_c, -cos_gamma)
+    /// See `Photometry::sample_each`; the columns and the table are those that `new` saw.
+    #[inline(always)]
+    pub(super) fn sample_each<const N: usize>(
+        &self,
+        horizontal: &[f64],
+        candela: &[f64],
+        u: [f64; N],
+        v: [f64; N],
+    ) -> [DVec3; N] {
+        let Some(last) = self.bands.len().checked_sub(1) else { return [DVec3::NEG_Z; N] };
+        // The bands of u, and γ in them.
+        let bands = u.map(|u| {
+            let u = u.min(BELOW_ONE);
+            let mut k = self.guide[(u * self.guide.len() as f64) as usize] as usize;
+            while k < last && self.bands[k].share.1 <= u {
+                k += 1;
+            }
+            &self.bands[k]
+        });
+        let lumens: [f64; N] = std::array::from_fn(|k| (u[k].min(BELOW_ONE) - bands[k].share.0) * self.flux);
+        let h = invert_each(bands, lumens);
+        std::array::from_fn(|k| {
+            let (band, v) = (bands[k], v[k].min(BELOW_ONE));
+            let ahead = (h[k] * (1.0 / RADIAN)).max(INSIDE).min(band.width_degrees - INSIDE);
+            let c = match self.axial {
+                true => 360.0 * v,
+                false => self.turn(horizontal, candela, band.row, band.offset + ahead * band.per_degree, v),
+            };
+            let (sin_gamma, cos_gamma) = sin_cos_degrees(band.gamma + ahead);
+            let (sin_c, cos_c) = sin_cos_degrees(c);
+            DVec3::new(sin_gamma * cos_c, sin_gamma * sin_c, -cos_gamma)
+        })
     }
 
     /// C, degrees, for `v`, at `t` (0..1) between the row and the next.
@@ -183,52 +194,58 @@ impl Band {
             terms,
             bend: 0.0,
         };
-        band.bend = (band.up_to(radians).0 - terms[0] * radians) / (radians * radians);
+        band.bend = (band.up_to(radians) - terms[0] * radians) / (radians * radians);
         band
     }
 
-    /// Flux up to `h` radians into the band, lumens, and its first two derivatives.
-    fn up_to(&self, h: f64) -> (f64, f64, f64) {
-        // F = h P: the Horner schemes of P, P' and P'' / 2 side by side.
-        let (mut p, mut first, mut second) = (0.0, 0.0, 0.0);
-        for &term in self.terms.iter().rev() {
-            second = second * h + first;
-            first = first * h + p;
-            p = p * h + term;
-        }
-        (p * h, first * h + p, 2.0 * (second * h + first))
+    /// Flux up to `h` radians into the band, lumens.
+    fn up_to(&self, h: f64) -> f64 {
+        h * self.terms.iter().rev().fold(0.0, |p, term| p * h + term)
     }
+}
 
-    /// h, radians, where the flux up to it is `lumens`: Halley's iteration, with bisection when it leaves the bracket.
-    fn invert(&self, lumens: f64) -> f64 {
-        if lumens <= 0.0 {
-            return 0.0;
-        }
-        let a = self.terms[0];
-        let root = (a * a + 4.0 * self.bend * lumens).max(0.0).sqrt();
-        let (mut low, mut high) = (0.0, self.width);
-        let mut h = (2.0 * lumens / (a + root)).min(self.width);
-        // Bisection alone would need 53 steps; Halley takes 2, seldom 3.
-        for _ in 0..53 {
-            let (value, slope, curvature) = self.up_to(h);
-            let excess = value - lumens;
-            if excess > 0.0 {
-                high = h
-            } else {
-                low = h
+/// In each band h, radians, where the flux up to it is `lumens`: Halley's iteration, with bisection when it leaves the bracket. All go on
+/// until the last is there, so that they need not wait for one another's results.
+#[inline(always)]
+fn invert_each<const N: usize>(bands: [&Band; N], lumens: [f64; N]) -> [f64; N] {
+    let mut h: [f64; N] = std::array::from_fn(|k| {
+        let (band, lumens) = (bands[k], lumens[k]);
+        let a = band.terms[0];
+        let root = (a * a + 4.0 * band.bend * lumens).max(0.0).sqrt();
+        if lumens <= 0.0 { 0.0 } else { (2.0 * lumens / (a + root)).min(band.width) }
+    });
+    let mut there = lumens.map(|lumens| lumens <= 0.0);
+    let (mut low, mut high) = ([0.0; N], bands.map(|band| band.width));
+    // Bisection alone would need 53 steps; Halley takes 2, seldom 3.
+    for _ in 0..53 {
+        // F = h P: the Horner schemes of P, P' and P'' / 2 side by side.
+        let (mut p, mut first, mut second) = ([0.0; N], [0.0; N], [0.0; N]);
+        for term in (0..TERMS).rev() {
+            for k in 0..N {
+                second[k] = second[k] * h[k] + first[k];
+                first[k] = first[k] * h[k] + p[k];
+                p[k] = p[k] * h[k] + bands[k].terms[term];
             }
-            let halley = h - 2.0 * excess * slope / (2.0 * slope * slope - excess * curvature);
-            let next = if low <= halley && halley <= high { halley } else { 0.5 * (low + high) };
-            let moved = (next - h).abs();
-            h = next;
+        }
+        for k in 0..N {
+            let (value, slope, curvature) = (p[k] * h[k], first[k] * h[k] + p[k], 2.0 * (second[k] * h[k] + first[k]));
+            let excess = value - lumens[k];
+            let beyond = excess > 0.0;
+            high[k] = if beyond { h[k] } else { high[k] };
+            low[k] = if beyond { low[k] } else { h[k] };
+            let halley = h[k] - 2.0 * excess * slope / (2.0 * slope * slope - excess * curvature);
+            let next = if (low[k] <= halley) & (halley <= high[k]) { halley } else { 0.5 * (low[k] + high[k]) };
+            let moved = (next - h[k]).abs();
+            h[k] = if there[k] { h[k] } else { next };
             // The error left is the cube of the step's share of the way to F's zeros, which lie beyond the ends:
             // below rounding.
-            if moved <= h.min(self.width - h) * 2e-6 {
-                break;
-            }
+            there[k] |= moved <= h[k].min(bands[k].width - h[k]) * 2e-6;
         }
-        h
+        if there.iter().all(|there| *there) {
+            break;
+        }
     }
+    h
 }
 
 /// For each of n equal steps of u, the first band that reaches beyond the step's begin.
