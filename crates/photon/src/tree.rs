@@ -265,6 +265,11 @@ impl Tree {
                             std::mem::swap(&mut entry, &mut nearest);
                         }
                         stack.insert(bottom, entry);
+                        if entry.1 & BLOCK != 0 {
+                            beam.lanes.fetch(&self.blocks[(entry.1 ^ BLOCK) as usize]);
+                        } else {
+                            beam.lanes.fetch(&self.nodes[entry.1 as usize]);
+                        }
                     }
                     at = nearest.1;
                     continue;

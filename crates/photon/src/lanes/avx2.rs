@@ -173,6 +173,12 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn fetch<T>(self, it: &T) {
+        for line in 0..size_of::<T>() / 64 {
+            intrinsic!(_mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(it).cast::<i8>().add(64 * line)));
+        }
+    }
+    #[inline(always)]
     fn bits(self, a: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(a)) as u32
     }

@@ -145,6 +145,8 @@ impl Lanes for Portable {
         mask(|k| from[k].wrapping_sub(first) < count)
     }
     #[inline(always)]
+    fn fetch<T>(self, _it: &T) {}
+    #[inline(always)]
     fn bits(self, a: u32) -> u32 {
         a
     }
