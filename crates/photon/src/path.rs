@@ -130,6 +130,13 @@ impl<'w> Photon<'w> {
         Some(Photon { index, lamp, first_counts: counts, hits: 0, throughput, ray })
     }
 
+    /// Photon `index` on its way, after `hits` hits.
+    #[inline(always)]
+    pub(crate) fn under_way(index: PhotonIndex, hits: u32, brings: Brought, ray: Ray<'w>) -> Photon<'w> {
+        let Brought { lamp, throughput, counts } = brings;
+        Photon { index, lamp, first_counts: counts, hits, throughput, ray }
+    }
+
     /// What it brings to its next hit.
     pub(crate) fn brings(&self) -> Brought {
         Brought { lamp: self.lamp, throughput: self.throughput, counts: self.hits > 0 || self.first_counts }

@@ -10,6 +10,7 @@ use crate::{
     lanes::{LANES, Lanes, Portable, Task, widest},
     path::{End, Photon, Record, Rules},
     pool::PhotonIndex,
+    record::Watch,
     stack::Stack,
     triangle::{Hit, Ray},
     world::{STACK, World},
@@ -56,22 +57,8 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Wave { rules, world, mut indices, mut photons, log, stack } = self;
-        let mut first = 0;
-        loop {
-            let (mut next, mut count) = ([PhotonIndex(0); LANES], 0);
-            while count < LANES
-                && let Some(index) = indices.next()
-            {
-                next[count] = index;
-                count += 1;
-            }
-            if count == 0 {
-                break;
-            }
-            photons.emit(l, rules, world, &next[..count], first, log);
-            first += count as u32;
-        }
+        let Wave { rules, world, indices, mut photons, log, stack } = self;
+        photons.emit_all(l, rules, world, indices, log);
         let mut going = Flock::default();
         let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
             (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
@@ -133,6 +120,38 @@ pub fn trace_each_portably(rules: &Rules, world: &World, indices: impl Iterator<
 /// Traces photons through `world`, numbered from 0.
 pub fn trace_apart(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, log: &mut impl Log) {
     STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Flock::default(), log, stack }));
+}
+
+/// Photons as they leave their lamps; none where there are no lamps.
+struct Leaving<'a, 'w, I> {
+    rules: &'a Rules,
+    world: &'w World,
+    indices: I,
+}
+
+/// Nobody listens.
+struct Nobody;
+
+impl Log for Nobody {
+    fn of(&mut self, _number: u32) -> impl Record {
+        Watch::default()
+    }
+}
+
+impl<'w, I: Iterator<Item = PhotonIndex>> Task for Leaving<'_, 'w, I> {
+    type Output = Vec<Photon<'w>>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Vec<Photon<'w>> {
+        let mut photons = Flock::default();
+        photons.emit_all(l, self.rules, self.world, self.indices, &mut Nobody);
+        (0..photons.len).map(|place| photons.eights()[place / LANES].photon(place % LANES)).collect()
+    }
+}
+
+/// Photons as they leave their lamps; none where there are no lamps. In less time than one by one.
+pub fn emit_each<'w>(rules: &Rules, world: &'w World, indices: impl Iterator<Item = PhotonIndex>) -> Vec<Photon<'w>> {
+    widest(Leaving { rules, world, indices })
 }
 
 /// Traces photons that are under way to their ends.

@@ -12,7 +12,7 @@ use crate::{
     pool::PhotonIndex,
     record::{Outcome, book},
     shooting::{CLASSES, Work, in_class},
-    wave::follow_apart,
+    wave::{emit_each, follow_apart},
 };
 use rayon::prelude::*;
 use std::{cell::RefCell, ops::Range};
@@ -207,12 +207,21 @@ impl LedgerSolution {
             }
         }
 
+        let leaving = emit_each(&self.rules, &self.world, marked.iter().map(|one| one.index));
         drafts.clear(marked.len());
         let (mut onward, mut parted) = (Vec::with_capacity(marked.len()), Vec::with_capacity(marked.len()));
         for (draft, one) in marked.iter().enumerate() {
             let path = Recorded { entries: &entries[one.path.clone()], triangles: &triangles[one.path.clone()] };
             let (_, passage) = &passages[one.passage];
-            let mending = passage.repair(one.index, one.lamp, path, &mut old, &mut new, &mut drafts.paths[draft]);
+            let mending = passage.repair(
+                one.index,
+                leaving.get(draft).copied(),
+                one.lamp,
+                path,
+                &mut old,
+                &mut new,
+                &mut drafts.paths[draft],
+            );
             if mending.parts {
                 drafts.lamps[draft] = mending.lamp;
                 parted.push(draft);

@@ -171,11 +171,12 @@ pub struct Mending<'a> {
 }
 
 impl<'a> Passage<'a> {
-    /// Repairs one photon up to where its new path must be traced: what its old path leaves goes to `old`, what the new one leaves at the
+    /// Repairs one photon, who is `leaving` its lamp, up to where its new path must be traced: what its old path leaves goes to `old`, what the new one leaves at the
     /// first hit that differs to `new`, the path so far to `path`.
     pub fn repair(
         &self,
         index: PhotonIndex,
+        leaving: Option<Photon<'a>>,
         was_lamp: u16,
         recorded: Recorded<'_, 'a>,
         old: &mut Outcome,
@@ -183,7 +184,6 @@ impl<'a> Passage<'a> {
         path: &mut Vec<Entry>,
     ) -> Mending<'a> {
         path.clear();
-        let leaving = Photon::emit(self.rules, self.after, index);
         let lamp = leaving.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
         let alike = lamp == was_lamp
             && !self.changed.lamps.contains(&usize::from(lamp))

@@ -63,6 +63,13 @@ impl<'w> Eight<'w> {
         }
     }
 
+    /// One of them.
+    #[inline(always)]
+    pub fn photon(&self, k: usize) -> Photon<'w> {
+        let brings = Brought { lamp: self.lamps[k], throughput: lane(&self.throughput, k).into(), counts: self.counts[k] };
+        Photon::under_way(self.indices[k], self.hits[k], brings, self.ray(k))
+    }
+
     /// Sets the directions and what follows from them.
     #[inline(always)]
     fn aim<L: Lanes>(&mut self, l: L, directions: [L::Numbers; 3]) {
@@ -188,17 +195,34 @@ impl<'w> Flock<'w> {
         self.len += 1;
     }
 
-    /// Emits eight photons (or fewer, the last ones), numbered from `first`.
+    /// Emits photons, numbered from 0.
     #[inline(always)]
-    pub fn emit<L: Lanes>(
+    pub fn emit_all<L: Lanes>(
         &mut self,
         l: L,
         rules: &Rules,
         world: &'w World,
-        indices: &[PhotonIndex],
-        first: u32,
+        mut indices: impl Iterator<Item = PhotonIndex>,
         log: &mut impl Log,
     ) {
+        for first in (0..).step_by(LANES) {
+            let (mut next, mut count) = ([PhotonIndex(0); LANES], 0);
+            while count < LANES
+                && let Some(index) = indices.next()
+            {
+                next[count] = index;
+                count += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            self.emit(l, rules, world, &next[..count], first, log);
+        }
+    }
+
+    /// Emits eight photons (or fewer, the last ones), numbered from `first`.
+    #[inline(always)]
+    fn emit<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, indices: &[PhotonIndex], first: u32, log: &mut impl Log) {
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
         let eight = self.next();
         let (mut alike, mut dark) = (true, false);
