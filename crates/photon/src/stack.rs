@@ -4,26 +4,30 @@
 pub const LEVELS: usize = 90;
 const SIZE: usize = 7 * LEVELS;
 
-/// Children of nodes and where the ray enters them. One stack serves all rays of a thread: clearing five kilobytes for each would be a
+/// Room for children of nodes and where rays enter them. One serves all rays of a thread: clearing five kilobytes for each would be a
 /// good part of what it takes to trace it.
-pub struct Stack {
-    enters: [f32; SIZE],
-    children: [u32; SIZE],
+pub struct Stack([(f32, u32); SIZE]);
+
+/// What one ray has yet to visit. How many there are is kept out of memory: every step waits for it.
+pub struct Waiting<'s> {
+    entries: &'s mut [(f32, u32); SIZE],
     len: usize,
 }
 
 impl Stack {
     /// An empty one.
     pub const fn new() -> Stack {
-        Stack { enters: [0.0; SIZE], children: [0; SIZE], len: 0 }
+        Stack([(0.0, 0); SIZE])
     }
 
-    /// Nothing is left to visit.
+    /// For a ray that has nothing to visit yet.
     #[inline(always)]
-    pub fn clear(&mut self) {
-        self.len = 0;
+    pub fn begin(&mut self) -> Waiting<'_> {
+        Waiting { entries: &mut self.0, len: 0 }
     }
+}
 
+impl Waiting<'_> {
     /// How many there are.
     #[inline(always)]
     pub fn len(&self) -> usize {
@@ -32,15 +36,14 @@ impl Stack {
 
     /// Puts one in its place among those from `bottom` on, the nearest on top.
     #[inline(always)]
-    pub fn insert(&mut self, bottom: usize, (enter, child): (f32, u32)) {
+    pub fn insert(&mut self, bottom: usize, entry: (f32, u32)) {
         let mut place = self.len;
         self.len += 1;
-        while place > bottom && self.enters[place - 1] < enter {
-            self.enters[place] = self.enters[place - 1];
-            self.children[place] = self.children[place - 1];
+        while place > bottom && self.entries[place - 1].0 < entry.0 {
+            self.entries[place] = self.entries[place - 1];
             place -= 1;
         }
-        (self.enters[place], self.children[place]) = (enter, child);
+        self.entries[place] = entry;
     }
 
     /// The topmost child that the ray enters within `limit`; those above it are dropped.
@@ -48,8 +51,9 @@ impl Stack {
     pub fn pop(&mut self, limit: f32) -> Option<u32> {
         loop {
             self.len = self.len.checked_sub(1)?;
-            if self.enters[self.len] <= limit {
-                return Some(self.children[self.len]);
+            let (enter, child) = self.entries[self.len];
+            if enter <= limit {
+                return Some(child);
             }
         }
     }
@@ -61,7 +65,8 @@ mod tests {
 
     #[test]
     fn entries_come_nearest_first_above_the_bottom() {
-        let mut stack = Stack::new();
+        let mut room = Stack::new();
+        let mut stack = room.begin();
         stack.insert(0, (0.5, 9));
         for (n, enter) in [3.0, 1.0, 2.0, 2.0, 4.0].into_iter().enumerate() {
             stack.insert(1, (enter, n as u32));
@@ -74,7 +79,8 @@ mod tests {
     #[test]
     #[should_panic]
     fn it_never_overflows_silently() {
-        let mut stack = Stack::new();
+        let mut room = Stack::new();
+        let mut stack = room.begin();
         (0..=SIZE).for_each(|n| stack.insert(n, (0.0, 0)));
     }
 }

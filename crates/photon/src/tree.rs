@@ -241,7 +241,7 @@ impl Tree {
         if self.nodes.is_empty() {
             return;
         }
-        stack.clear();
+        let mut stack = stack.begin();
         let mut at = 0u32;
         loop {
             if at & BLOCK != 0 {
