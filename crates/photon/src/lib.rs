@@ -34,6 +34,7 @@ pub mod courtesy;
 pub mod drag;
 pub mod emission;
 pub mod field;
+mod finish;
 mod first_segment;
 pub mod gather;
 pub mod halton;

@@ -6,12 +6,13 @@
 //! (Dmitriev et al. 2002, §4.1).
 
 use crate::{
+    finish::Finish,
     halton::Sequence,
     lanes::{Arithmetic, One, dots, scaled},
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle, points},
-    world::{Crowd, Difference, Finish, World},
+    world::{Crowd, Difference, World},
 };
 use glam::Vec3;
 use lightmend_scene::Direct;

@@ -6,7 +6,7 @@
 
 use crate::{
     collapse::Collapse,
-    lanes::{LANES, Lanes},
+    lanes::{LANES, Lanes, dots},
     reinsert::reinsert,
     split::{Bounds, Branch, Effort, binary},
     stack::Stack,
@@ -82,6 +82,10 @@ struct Met {
     weights: [[f32; LANES]; 3],
 }
 
+impl Met {
+    const NONE: Met = Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+}
+
 impl<'r, L: Lanes> Beam<'r, L> {
     /// Prepares a ray.
     #[inline(always)]
@@ -154,14 +158,14 @@ impl<'r, L: Lanes> Beam<'r, L> {
         // Of one sign: where both occur it is missed, where neither does it is seen from the edge.
         let inside = l.or(l.but_not(positive, negative), l.but_not(negative, positive));
         if l.bits(inside) == 0 {
-            return Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+            return Met::NONE;
         }
         let (u, v, w) = (l.div(u, determinant), l.div(v, determinant), l.div(w, determinant));
-        let distance = l.add(l.add(l.mul(u, a[2]), l.mul(v, b[2])), l.mul(w, c[2]));
+        let distance = dots(l, [u, v, w], [a[2], b[2], c[2]]);
         let reached = l.and(l.at_most(self.zero, distance), l.at_most(distance, l.splat(limit)));
         let mask = l.bits(l.and(inside, reached));
         if mask == 0 {
-            return Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+            return Met::NONE;
         }
         Met { mask, distances: l.store(distance), weights: [l.store(u), l.store(v), l.store(w)] }
     }

@@ -7,6 +7,7 @@ use crate::{
     body::{Body, Reach, TreePreset},
     boxes::Boxes,
     emission::LampChoice,
+    finish::{Finish, Finishes},
     hash::of_name,
     lanes::{Arithmetic, LANES, Lanes, One, Task, widest},
     sampling::uniform_sphere,
@@ -15,7 +16,7 @@ use crate::{
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
-use lightmend_scene::{Configuration, Lamp, Material, Mesh, Motion, Object, Texture, lamp_rotation, trig::Double};
+use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation, trig::Double};
 use std::{
     cell::RefCell,
     sync::{Arc, OnceLock},
@@ -210,34 +211,6 @@ impl Still {
     }
 }
 
-/// What a surface is made of.
-pub(crate) struct Finish {
-    /// Per linear Rec. 709 channel; multiplies the texture.
-    pub(crate) reflectance: Vec3,
-    /// An image over the surface.
-    pub(crate) texture: Option<Arc<Texture>>,
-}
-
-/// The materials of all objects side by side: every hit needs one.
-struct Finishes {
-    /// Where each object's begin, by its number.
-    first: Vec<u32>,
-    all: Vec<Finish>,
-}
-
-impl Finishes {
-    fn new(configuration: &Configuration) -> Finishes {
-        let mut finishes = Finishes { first: vec![u32::MAX; configuration.object_slots()], all: Vec::new() };
-        for (id, object) in configuration.objects() {
-            finishes.first[id] = finishes.all.len() as u32;
-            let finish =
-                |material: &Arc<Material>| Finish { reflectance: material.reflectance, texture: material.texture.clone() };
-            finishes.all.extend(object.materials.iter().map(finish));
-        }
-        finishes
-    }
-}
-
 /// A configuration, ready to trace.
 #[derive(Clone)]
 pub struct World {
@@ -296,7 +269,7 @@ impl World {
         let reach = Reach::new(configuration.reach() as f32);
         let world = World {
             configuration: configuration.clone(),
-            finishes: Arc::new(Finishes::new(configuration)),
+            finishes: Arc::default(),
             still: Still::new(configuration, reach, preset),
             crowd: Crowd::default(),
             lamps: Vec::new(),
@@ -450,7 +423,7 @@ impl World {
     /// What a triangle of this world is made of.
     #[inline(always)]
     pub(crate) fn finish(&self, triangle: &Triangle) -> &Finish {
-        &self.finishes.all[self.finishes.first[triangle.object()] as usize + usize::from(triangle.material)]
+        self.finishes.of(triangle)
     }
 
     /// The lamps where they stand, by number, also those that are gone.

@@ -34,15 +34,6 @@ impl Material {
     pub(crate) fn stated(&self) -> MaterialEntry {
         MaterialEntry { reflectance: self.reflectance.as_dvec3(), texture: self.texture_path.clone() }
     }
-
-    /// Reflectance where the texture coordinates are `uv`.
-    #[inline]
-    pub fn reflectance_at(&self, uv: impl FnOnce() -> [f32; 2]) -> Vec3 {
-        match &self.texture {
-            None => self.reflectance,
-            Some(texture) => self.reflectance * texture.sample(uv()),
-        }
-    }
 }
 
 /// An sRGB image, repeated over the plane; read in linear light.

@@ -281,9 +281,9 @@ impl<'a> Passage<'a> {
                 old.end(End::Absorbed, brought.throughput, brought.lamp);
                 break;
             }
-            let material = self.before.object(triangle.object()).material(triangle.in_mesh());
-            brought = if material.texture.is_none() {
-                brought.reflected(material.reflectance)
+            let finish = self.before.finish(triangle);
+            brought = if finish.texture.is_none() {
+                brought.reflected(finish.reflectance)
             } else {
                 let here = known.unwrap_or_else(&photon);
                 let next = self.replay(here, &triangles[at..=n], &mut Watch::default()).expect("its record goes on");
