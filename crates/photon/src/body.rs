@@ -2,6 +2,7 @@
 
 use crate::{
     lanes::Lanes,
+    packet::{Found, Packet},
     split::Effort,
     stack::Stack,
     tree::{Beam, Tree},
@@ -85,6 +86,12 @@ impl Body {
     #[inline(always)]
     pub(crate) fn nearest<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
         self.tree.nearest(&self.triangles, beam, stack, best);
+    }
+
+    /// Makes what is found the nearest of itself and what the rays meet here.
+    #[inline(always)]
+    pub(crate) fn nearest_each<'t, L: Lanes>(&'t self, packet: &Packet<L>, stack: &mut Stack, found: &mut Found<'t, L>) {
+        self.tree.nearest_each(&self.triangles, packet, stack, found);
     }
 
     /// The box about it, padded; its low corner is above its high one if it is empty.

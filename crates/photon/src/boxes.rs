@@ -41,7 +41,11 @@ impl Boxes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{lanes::Portable, tree::Beam, triangle::Ray};
+    use crate::{
+        lanes::Portable,
+        tree::{Beam, Way},
+        triangle::Ray,
+    };
 
     #[test]
     fn only_boxes_on_the_way_are_visited() {

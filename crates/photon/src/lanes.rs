@@ -102,6 +102,8 @@ pub trait Lanes: Arithmetic {
     fn among(self, from: &[u32; LANES], first: u32, count: u32) -> Self::Mask;
     /// Bit k for number k.
     fn bits(self, a: Self::Mask) -> u32;
+    /// The other way round.
+    fn select(self, bits: u32) -> Self::Mask;
     /// Asks for something that may be read soon. A hint: it changes nothing.
     fn fetch<T>(self, it: &T);
 }

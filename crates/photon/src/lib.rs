@@ -43,6 +43,7 @@ pub mod importance;
 pub mod irradiance;
 mod lanes;
 pub mod ledger;
+mod packet;
 pub mod path;
 pub mod pool;
 pub mod probe;

@@ -6,13 +6,12 @@
 
 use crate::{
     collapse::Collapse,
-    lanes::{LANES, Lanes, dots},
+    lanes::{Arithmetic, LANES, Lanes, dots},
     reinsert::reinsert,
     split::{Bounds, Branch, Effort, binary},
     stack::Stack,
     triangle::{Hit, Ray, Triangle},
 };
-use glam::Vec3;
 use std::sync::Arc;
 
 /// Eight boxes: low x, y, z, high x, y, z of each.
@@ -37,11 +36,13 @@ struct Node {
 /// Up to eight triangles, five lines of cache.
 #[derive(Clone)]
 #[repr(align(64))]
-struct Block {
+pub struct Block {
     /// Per corner and axis; not numbers where there is no triangle.
     corners: [[[f32; LANES]; 3]; 3],
     /// The number of the first triangle.
     first: u32,
+    /// How many there are.
+    count: u32,
 }
 
 /// The tree.
@@ -63,34 +64,38 @@ pub struct Beam<'r, L: Lanes> {
     near: [usize; 3],
     /// The ray's own axes.
     axes: [usize; 3],
-    /// Origin along the ray's own axes.
-    turned: [L::Numbers; 3],
-    shear: [L::Numbers; 3],
-    zero: L::Numbers,
+    skew: Skew<L>,
+}
+
+/// Rays to which triangles are sheared: eight triangles to one, or one to eight.
+pub struct Skew<L: Lanes> {
+    /// Origins along the rays' own axes.
+    pub origin: [L::Numbers; 3],
+    /// [`Ray::shear`].
+    pub shear: [L::Numbers; 3],
 }
 
 /// 1 / d, large but finite where d is zero.
-#[inline]
-fn inverse(direction: Vec3) -> Vec3 {
-    direction.recip().clamp(Vec3::splat(-1e18), Vec3::splat(1e18))
+#[inline(always)]
+pub fn inverse(d: f32) -> f32 {
+    d.recip().clamp(-1e18, 1e18)
 }
 
-/// What a ray met of eight triangles.
-struct Met {
-    mask: u32,
-    distances: [f32; LANES],
-    weights: [[f32; LANES]; 3],
-}
-
-impl Met {
-    const NONE: Met = Met { mask: 0, distances: [0.0; LANES], weights: [[0.0; LANES]; 3] };
+/// What one ray met of eight triangles, or eight rays of one.
+pub struct Met<L: Lanes> {
+    /// Which of them.
+    pub reached: L::Mask,
+    /// In multiples of the rays' directions.
+    pub distance: L::Numbers,
+    /// Of the corners.
+    pub weights: [L::Numbers; 3],
 }
 
 impl<'r, L: Lanes> Beam<'r, L> {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(lanes: L, ray: &'r Ray<'r>) -> Beam<'r, L> {
-        let inverse = inverse(ray.direction);
+        let inverse = ray.direction.to_array().map(inverse);
         let [x, y, z] = ray.axes.map(usize::from);
         // Known from here on, and not looked at again for every block.
         assert!(x < 3 && y < 3 && z < 3);
@@ -100,12 +105,13 @@ impl<'r, L: Lanes> Beam<'r, L> {
             lanes,
             ray,
             origin: [lanes.splat(ray.origin.x), lanes.splat(ray.origin.y), lanes.splat(ray.origin.z)],
-            inverse: [lanes.splat(inverse.x), lanes.splat(inverse.y), lanes.splat(inverse.z)],
-            near: [near(inverse.x, 0), near(inverse.y, 1), near(inverse.z, 2)],
+            inverse: [lanes.splat(inverse[0]), lanes.splat(inverse[1]), lanes.splat(inverse[2])],
+            near: [near(inverse[0], 0), near(inverse[1], 1), near(inverse[2], 2)],
             axes: [x, y, z],
-            turned: [lanes.splat(origin[x]), lanes.splat(origin[y]), lanes.splat(origin[z])],
-            shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
-            zero: lanes.splat(0.0),
+            skew: Skew {
+                origin: [lanes.splat(origin[x]), lanes.splat(origin[y]), lanes.splat(origin[z])],
+                shear: [lanes.splat(ray.shear[0]), lanes.splat(ray.shear[1]), lanes.splat(ray.shear[2])],
+            },
         }
     }
 
@@ -116,59 +122,56 @@ impl<'r, L: Lanes> Beam<'r, L> {
         l.mul(l.sub(l.load(&planes[plane]), self.origin[axis]), self.inverse[axis])
     }
 
-    /// A corner of eight triangles in the ray's own coordinates.
+    /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
     #[inline(always)]
-    fn sheared(&self, corner: &[[f32; LANES]; 3]) -> [L::Numbers; 3] {
-        let l = self.lanes;
-        let [x, y, z] = self.axes;
-        let depth = l.sub(l.load(&corner[z]), self.turned[2]);
+    fn meets(&self, block: &Block, limit: f32) -> Option<Met<L>> {
+        let ([x, y, z], l) = (self.axes, self.lanes);
+        let [a, b, c] = &block.corners;
+        let corners = [
+            [l.load(&a[x]), l.load(&a[y]), l.load(&a[z])],
+            [l.load(&b[x]), l.load(&b[y]), l.load(&b[z])],
+            [l.load(&c[x]), l.load(&c[y]), l.load(&c[z])],
+        ];
+        self.skew.meets(l, corners, l.splat(limit))
+    }
+}
+
+impl<L: Lanes> Skew<L> {
+    /// A corner in the rays' own coordinates.
+    #[inline(always)]
+    fn sheared(&self, l: L, [x, y, z]: [L::Numbers; 3]) -> [L::Numbers; 3] {
+        let depth = l.sub(z, self.origin[2]);
         [
-            l.add(l.sub(l.load(&corner[x]), self.turned[0]), l.mul(self.shear[0], depth)),
-            l.add(l.sub(l.load(&corner[y]), self.turned[1]), l.mul(self.shear[1], depth)),
+            l.add(l.sub(x, self.origin[0]), l.mul(self.shear[0], depth)),
+            l.add(l.sub(y, self.origin[1]), l.mul(self.shear[1], depth)),
             l.mul(self.shear[2], depth),
         ]
     }
 
+    /// [`Ray::meet`] up to the distance, which `limit` bounds, of triangles by their corners along the rays' own axes.
     #[inline(always)]
-    fn cross(&self, p: [L::Numbers; 3], q: [L::Numbers; 3]) -> L::Numbers {
-        let l = self.lanes;
-        l.sub(l.mul(p[0], q[1]), l.mul(p[1], q[0]))
-    }
-
-    /// Which of eight boxes the ray enters within `limit`, and where.
-    #[inline(always)]
-    pub fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
-        let l = self.lanes;
-        let [nx, ny, nz] = self.near;
-        let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), self.zero));
-        let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
-        let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
-        (l.bits(l.at_most(enter, leave)), enter)
-    }
-
-    /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
-    #[inline(always)]
-    fn meets(&self, block: &Block, limit: f32) -> Met {
-        let l = self.lanes;
-        let (a, b, c) = (self.sheared(&block.corners[0]), self.sheared(&block.corners[1]), self.sheared(&block.corners[2]));
-        let (u, v, w) = (self.cross(c, b), self.cross(a, c), self.cross(b, a));
-        let negative = l.or(l.or(l.less(u, self.zero), l.less(v, self.zero)), l.less(w, self.zero));
-        let positive = l.or(l.or(l.less(self.zero, u), l.less(self.zero, v)), l.less(self.zero, w));
+    pub fn meets(&self, l: L, corners: [[L::Numbers; 3]; 3], limit: L::Numbers) -> Option<Met<L>> {
+        let zero = l.splat(0.0);
+        let (a, b, c) = (self.sheared(l, corners[0]), self.sheared(l, corners[1]), self.sheared(l, corners[2]));
+        let (u, v, w) = (cross(l, c, b), cross(l, a, c), cross(l, b, a));
+        let negative = l.or(l.or(l.less(u, zero), l.less(v, zero)), l.less(w, zero));
+        let positive = l.or(l.or(l.less(zero, u), l.less(zero, v)), l.less(zero, w));
         let determinant = l.add(l.add(u, v), w);
         // Of one sign: where both occur it is missed, where neither does it is seen from the edge.
         let inside = l.or(l.but_not(positive, negative), l.but_not(negative, positive));
         if l.bits(inside) == 0 {
-            return Met::NONE;
+            return None;
         }
         let (u, v, w) = (l.div(u, determinant), l.div(v, determinant), l.div(w, determinant));
         let distance = dots(l, [u, v, w], [a[2], b[2], c[2]]);
-        let reached = l.and(l.at_most(self.zero, distance), l.at_most(distance, l.splat(limit)));
-        let mask = l.bits(l.and(inside, reached));
-        if mask == 0 {
-            return Met::NONE;
-        }
-        Met { mask, distances: l.store(distance), weights: [l.store(u), l.store(v), l.store(w)] }
+        let reached = l.and(inside, l.and(l.at_most(zero, distance), l.at_most(distance, limit)));
+        (l.bits(reached) != 0).then_some(Met { reached, distance, weights: [u, v, w] })
     }
+}
+
+#[inline(always)]
+fn cross<L: Lanes>(l: L, p: [L::Numbers; 3], q: [L::Numbers; 3]) -> L::Numbers {
+    l.sub(l.mul(p[0], q[1]), l.mul(p[1], q[0]))
 }
 
 impl Tree {
@@ -239,9 +242,9 @@ impl Growing {
 }
 
 impl Tree {
-    /// Calls `visit` with every block that the ray may meet within its limit, near ones first as a rule; `visit` returns the new limit.
+    /// Calls `visit` with every block that may be met within the limit, near ones first as a rule; `visit` returns the new limit.
     #[inline(always)]
-    fn walk<L: Lanes>(&self, beam: &Beam<L>, mut limit: f32, stack: &mut Stack, mut visit: impl Visit) {
+    pub fn walk<W: Way>(&self, way: &W, mut limit: f32, stack: &mut Stack, mut visit: impl Visit<W>) {
         if self.nodes.is_empty() {
             return;
         }
@@ -249,12 +252,12 @@ impl Tree {
         let mut at = 0u32;
         loop {
             if at & BLOCK != 0 {
-                limit = visit.block(beam, &self.blocks[(at ^ BLOCK) as usize], limit);
+                limit = visit.block(way, &self.blocks[(at ^ BLOCK) as usize], limit);
             } else {
                 let node = &self.nodes[at as usize];
-                let (mut mask, enter) = beam.enters(&node.planes, limit);
+                let (mut mask, enter) = way.enters(&node.planes, limit);
                 if mask != 0 {
-                    let enter = beam.lanes.store(enter);
+                    let enter = way.lanes().store(enter);
                     let mut take = || {
                         let k = mask.trailing_zeros() as usize;
                         mask &= mask - 1;
@@ -270,9 +273,9 @@ impl Tree {
                         }
                         stack.insert(bottom, entry);
                         if entry.1 & BLOCK != 0 {
-                            beam.lanes.fetch(&self.blocks[(entry.1 ^ BLOCK) as usize]);
+                            way.lanes().fetch(&self.blocks[(entry.1 ^ BLOCK) as usize]);
                         } else {
-                            beam.lanes.fetch(&self.nodes[entry.1 as usize]);
+                            way.lanes().fetch(&self.nodes[entry.1 as usize]);
                         }
                     }
                     at = nearest.1;
@@ -310,10 +313,39 @@ impl Tree {
     }
 }
 
-/// What is done with the blocks on a ray's way.
-trait Visit {
+/// What finds its way through a tree: a ray, or several.
+pub trait Way {
+    /// Its lanes.
+    type Lanes: Lanes;
+    /// Its lanes.
+    fn lanes(&self) -> Self::Lanes;
+    /// Which of eight boxes it enters within `limit`, and where.
+    fn enters(&self, planes: &Planes, limit: f32) -> (u32, <Self::Lanes as Arithmetic>::Numbers);
+}
+
+impl<L: Lanes> Way for Beam<'_, L> {
+    type Lanes = L;
+
+    #[inline(always)]
+    fn lanes(&self) -> L {
+        self.lanes
+    }
+
+    #[inline(always)]
+    fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
+        let l = self.lanes;
+        let [nx, ny, nz] = self.near;
+        let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), l.splat(0.0)));
+        let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
+        let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
+        (l.bits(l.at_most(enter, leave)), enter)
+    }
+}
+
+/// What is done with the blocks on a way.
+pub trait Visit<W> {
     /// Returns the new limit.
-    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32;
+    fn block(&mut self, way: &W, block: &Block, limit: f32) -> f32;
 }
 
 struct First<'t, 'b> {
@@ -322,16 +354,16 @@ struct First<'t, 'b> {
     best: &'b mut Option<Hit<'t>>,
 }
 
-impl Visit for First<'_, '_> {
+impl<L: Lanes> Visit<Beam<'_, L>> for First<'_, '_> {
     #[inline(always)]
-    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, _: f32) -> f32 {
-        let met = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance));
-        for hit in met.hits(block, self.triangles) {
+    fn block(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
+        let Some(met) = beam.meets(block, self.best.map_or(f32::MAX, |b| b.distance)) else { return limit };
+        for hit in met.hits(beam.lanes, block, self.triangles) {
             if beam.ray.prefers(&hit, self.best, self.left.differs_from(hit.triangle)) {
                 *self.best = Some(hit);
             }
         }
-        limit(self.best)
+        self::limit(self.best)
     }
 }
 
@@ -362,12 +394,12 @@ struct Every<'t, 'b> {
     found: &'b mut Vec<Hit<'t>>,
 }
 
-impl Visit for Every<'_, '_> {
+impl<L: Lanes> Visit<Beam<'_, L>> for Every<'_, '_> {
     #[inline(always)]
-    fn block<L: Lanes>(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
-        let met = beam.meets(block, self.farthest);
+    fn block(&mut self, beam: &Beam<L>, block: &Block, limit: f32) -> f32 {
+        let Some(met) = beam.meets(block, self.farthest) else { return limit };
         self.found.extend(
-            met.hits(block, self.triangles)
+            met.hits(beam.lanes, block, self.triangles)
                 .filter(|hit| beam.ray.prefers(hit, &None, beam.ray.leaves.is_none_or(|left| !left.is(hit.triangle)))),
         );
         limit
@@ -375,7 +407,7 @@ impl Visit for Every<'_, '_> {
 }
 
 /// Factor of a hit's distance up to which trees are searched on: more than distances round.
-const SLACK: f32 = 1.000_001;
+pub const SLACK: f32 = 1.000_001;
 
 /// How far to search on.
 #[inline]
@@ -393,22 +425,39 @@ impl Block {
                 }
             }
         }
-        Block { corners, first }
+        Block { corners, first, count: triangles.len() as u32 }
+    }
+
+    /// The corners of its triangle number `k` along some axes.
+    #[inline(always)]
+    pub fn splat<L: Lanes>(&self, l: L, k: usize, [x, y, z]: [usize; 3]) -> [[L::Numbers; 3]; 3] {
+        let [a, b, c] = &self.corners;
+        [
+            [l.splat(a[x][k]), l.splat(a[y][k]), l.splat(a[z][k])],
+            [l.splat(b[x][k]), l.splat(b[y][k]), l.splat(b[z][k])],
+            [l.splat(c[x][k]), l.splat(c[y][k]), l.splat(c[z][k])],
+        ]
+    }
+
+    /// The numbers of its triangles.
+    pub fn numbers(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
     }
 }
 
-impl Met {
+impl<L: Lanes> Met<L> {
     #[inline(always)]
-    fn hits<'t>(&self, block: &Block, triangles: &'t [Triangle]) -> impl Iterator<Item = Hit<'t>> {
-        let mut mask = self.mask;
+    fn hits<'t>(&self, l: L, block: &Block, triangles: &'t [Triangle]) -> impl Iterator<Item = Hit<'t>> {
+        let (mut mask, distances, weights) = (l.bits(self.reached), l.store(self.distance), l.store_vectors(self.weights));
+        let first = block.first as usize;
         std::iter::from_fn(move || {
             if mask == 0 {
                 return None;
             }
             let k = mask.trailing_zeros() as usize & 7;
             mask &= mask - 1;
-            let triangle = &triangles[block.first as usize + k];
-            Some(Hit { distance: self.distances[k], weights: self.weights.map(|w| w[k]), triangle })
+            let triangle = &triangles[first + k];
+            Some(Hit { distance: distances[k], weights: weights.map(|w| w[k]), triangle })
         })
     }
 }

@@ -140,6 +140,16 @@ pub struct Hit<'a> {
     pub triangle: &'a Triangle,
 }
 
+impl Hit<'_> {
+    /// Whether it is nearer than `best`, or as near and of smaller order.
+    #[inline(always)]
+    pub(crate) fn precedes(&self, best: &Option<Hit>) -> bool {
+        best.is_none_or(|best| {
+            self.distance < best.distance || (self.distance == best.distance && self.triangle.order() < best.triangle.order())
+        })
+    }
+}
+
 impl<'a> Ray<'a> {
     /// A ray that leaves `leaves`, or starts in free space.
     #[inline(always)]
@@ -184,13 +194,9 @@ impl<'a> Ray<'a> {
     /// it is another triangle.
     #[inline(always)]
     pub(crate) fn prefers(&self, hit: &Hit, best: &Option<Hit>, another: bool) -> bool {
-        let Hit { distance, triangle, .. } = *hit;
-        if let Some(best) = best
-            && (distance > best.distance || (distance == best.distance && triangle.order() >= best.triangle.order()))
-        {
-            return false;
-        }
-        another && self.leaves.is_none_or(|left| distance >= self.near || !self.leaves_plane_of(left, triangle))
+        hit.precedes(best)
+            && another
+            && self.leaves.is_none_or(|left| hit.distance >= self.near || !self.leaves_plane_of(left, hit.triangle))
     }
 
     /// Whether a triangle met at almost no distance is only a continuation of the surface that the ray leaves.

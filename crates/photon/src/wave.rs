@@ -1,6 +1,7 @@
 //! Many photons side by side: the same paths as one by one, segment after segment.
 //!
-//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Directions, origins and throughputs are
+//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Those that leave lamps in much the same direction
+//! are traced together (`packet.rs`). Directions, origins and throughputs are
 //! computed eight at a time, coordinate by coordinate, with the same functions that serve one photon. In which order photons' hits are
 //! recorded is of no consequence: deposits are integers.
 
@@ -15,7 +16,7 @@ use crate::{
     triangle::{Hit, Ray},
     world::{STACK, World},
 };
-use flock::{Flock, Landing, lane};
+use flock::{Flock, Landing, lane, neighbours, starts};
 
 /// Who hears of many photons.
 pub trait Log {
@@ -58,18 +59,28 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Wave { rules, world, indices, mut photons, log, stack } = self;
-        photons.emit_all(l, rules, world, indices, log);
+        let mut from_lamps = photons.len == 0;
+        photons.emit_all(l, rules, world, &neighbours(&starts(rules, indices)), log);
         let mut going = Flock::default();
         let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
             (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
         let mut places: Vec<u32> = Vec::with_capacity(photons.len);
         while photons.len > 0 {
             met.clear();
-            for place in 0..photons.len {
-                let (eight, k) = (&photons.eights()[place / LANES], place % LANES);
-                log.of(eight.numbers[k]).ray();
-                met.push(world.nearest_in(l, &eight.ray(k), stack));
+            for (n, eight) in photons.eights().iter().enumerate() {
+                let count = photons.lanes(n);
+                for number in &eight.numbers[..count] {
+                    log.of(*number).ray();
+                }
+                if from_lamps {
+                    met.extend_from_slice(&world.nearest_each(l, &eight.rays(), (1 << count) - 1, stack)[..count]);
+                } else {
+                    for k in 0..count {
+                        met.push(world.nearest_in(l, &eight.ray(k), stack));
+                    }
+                }
             }
+            from_lamps = false;
             places.clear();
             places.resize(photons.len, 0);
             let (mut lives, mut ends) = (0, photons.len);
@@ -144,7 +155,7 @@ impl<'w, I: Iterator<Item = PhotonIndex>> Task for Leaving<'_, 'w, I> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<Photon<'w>> {
         let mut photons = Flock::default();
-        photons.emit_all(l, self.rules, self.world, self.indices, &mut Nobody);
+        photons.emit_all(l, self.rules, self.world, &starts(self.rules, self.indices), &mut Nobody);
         (0..photons.len).map(|place| photons.eights()[place / LANES].photon(place % LANES)).collect()
     }
 }

@@ -10,9 +10,10 @@ use crate::{
     finish::{Finish, Finishes},
     hash::of_name,
     lanes::{Arithmetic, LANES, Lanes, One, Task, widest},
+    packet::{Found, Packet, Rays, alike},
     sampling::uniform_sphere,
     stack::Stack,
-    tree::{Beam, limit},
+    tree::{Beam, Way, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
@@ -76,6 +77,27 @@ impl Crowd {
                 mask &= mask - 1;
                 if enter[k] <= limit(best) {
                     placed[k].body.nearest(beam, stack, best);
+                }
+            }
+        }
+    }
+}
+
+impl Crowd {
+    /// [`meet`](Self::meet) of eight rays.
+    #[inline(always)]
+    fn meet_each<'t, L: Lanes>(&'t self, packet: &Packet<L>, stack: &mut Stack, found: &mut Found<'t, L>) {
+        for (planes, placed) in self.boxes.eights().iter().zip(self.placed.chunks(LANES)) {
+            let (mut mask, enter) = packet.enters(planes, found.limit());
+            if mask == 0 {
+                continue;
+            }
+            let enter = packet.lanes().store(enter);
+            while mask != 0 {
+                let k = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                if enter[k] <= found.limit() {
+                    placed[k].body.nearest_each(packet, stack, found);
                 }
             }
         }
@@ -451,6 +473,24 @@ impl World {
     #[inline(always)]
     pub(crate) fn nearest_in<L: Lanes>(&self, lanes: L, ray: &Ray, stack: &mut Stack) -> Option<Hit<'_>> {
         Nearest { ray, crowd: &self.crowd, still: Some(&self.still.body), best: None, stack }.run(lanes)
+    }
+
+    /// The first surfaces that those of eight rays meet whose bits are set; rays from free space.
+    #[inline(always)]
+    pub(crate) fn nearest_each<L: Lanes>(&self, l: L, rays: &Rays, mut of: u32, stack: &mut Stack) -> [Option<Hit<'_>>; LANES] {
+        let mut hits = [None; LANES];
+        while of != 0 {
+            let alike = alike(l, rays.direction, of);
+            of &= !alike;
+            let packet = Packet::new(l, rays, alike);
+            let mut found = Found::nothing(l, alike);
+            self.crowd.meet_each(&packet, stack, &mut found);
+            self.still.body.nearest_each(&packet, stack, &mut found);
+            for (hit, met) in hits.iter_mut().zip(found.hits()) {
+                *hit = met.or(*hit);
+            }
+        }
+        hits
     }
 
     /// The same without the widest lanes of this machine.

@@ -179,6 +179,13 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn select(self, bits: u32) -> __m256 {
+        intrinsic!({
+            let own = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), own), own))
+        })
+    }
+    #[inline(always)]
     fn bits(self, a: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(a)) as u32
     }

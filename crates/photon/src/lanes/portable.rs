@@ -150,4 +150,8 @@ impl Lanes for Portable {
     fn bits(self, a: u32) -> u32 {
         a
     }
+    #[inline(always)]
+    fn select(self, bits: u32) -> u32 {
+        bits
+    }
 }

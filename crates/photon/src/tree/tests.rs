@@ -6,6 +6,7 @@ use crate::{
     lanes::{Portable, Task, widest},
     world::World,
 };
+use glam::Vec3;
 use glam::vec3;
 use lightmend_scene::{Configuration, Scene};
 use rayon::prelude::*;

@@ -3,15 +3,13 @@
 use super::Log;
 use crate::{
     lanes::{LANES, Lanes, dots},
+    packet::{Rays, Vectors},
     path::{Brought, LONGEST_PATH, Photon, Record, Rules, before, reflectance},
     pool::PhotonIndex,
     sampling::cosine_hemispheres,
     triangle::{Aim, Hit, Ray, Triangle, aims, axes, points},
     world::World,
 };
-
-/// Coordinates of eight.
-type Vectors = [[f32; LANES]; 3];
 
 /// Photons under way, eight of them: about to leave a lamp or a surface.
 #[derive(Clone)]
@@ -61,6 +59,12 @@ impl<'w> Eight<'w> {
             axes: self.axes[k],
             shear: lane(&self.shear, k),
         }
+    }
+
+    /// Their rays, of photons that leave lamps.
+    #[inline(always)]
+    pub fn rays(&self) -> Rays<'_> {
+        Rays { origin: &self.origin, direction: &self.direction, shear: &self.shear, axes: &self.axes }
     }
 
     /// One of them.
@@ -146,6 +150,56 @@ pub struct Landing {
     facing: Vectors,
 }
 
+/// A photon before it leaves its lamp.
+#[derive(Clone, Copy)]
+pub struct Start {
+    number: u32,
+    index: PhotonIndex,
+    /// Which lamp, and in which direction.
+    u: [f64; 2],
+}
+
+/// Columns and rows among which photons of one class are sorted.
+const GRID: [usize; 2] = [4, 64];
+
+/// Photons, numbered from 0.
+pub fn starts(rules: &Rules, indices: impl Iterator<Item = PhotonIndex>) -> Vec<Start> {
+    let start =
+        |(number, index): (u32, PhotonIndex)| Start { number, index, u: [0, 1].map(|d| rules.sequence.value(index.0, d)) };
+    (0..).zip(indices).map(start).collect()
+}
+
+/// Sorts photons so that those leave together that leave in much the same direction: by columns, then by rows.
+pub fn neighbours(starts: &[Start]) -> Vec<Start> {
+    let (mut low, mut high) = ([1.0f64; 2], [0.0f64; 2]);
+    for start in starts {
+        for d in 0..2 {
+            low[d] = low[d].min(start.u[d]);
+            high[d] = high[d].max(start.u[d]);
+        }
+    }
+    let scale = [0, 1].map(|d| GRID[d] as f64 / (high[d] - low[d]).max(1e-9) * (1.0 - 1e-6));
+    let place = |start: &Start| {
+        let [column, row] = [0, 1].map(|d| ((start.u[d] - low[d]) * scale[d]) as usize);
+        (column * GRID[1] + row) & (GRID[0] * GRID[1] - 1)
+    };
+    let mut before = [0u32; GRID[0] * GRID[1]];
+    for start in starts {
+        before[place(start)] += 1;
+    }
+    let mut sum = 0;
+    for count in &mut before {
+        sum += std::mem::replace(count, sum);
+    }
+    let mut sorted = starts.to_vec();
+    for start in starts {
+        let place = &mut before[place(start)];
+        sorted[*place as usize] = *start;
+        *place += 1;
+    }
+    sorted
+}
+
 /// Photons side by side; all eights but the last are full.
 #[derive(Default)]
 pub struct Flock<'w> {
@@ -195,47 +249,30 @@ impl<'w> Flock<'w> {
         self.len += 1;
     }
 
-    /// Emits photons, numbered from 0.
+    /// Emits photons.
     #[inline(always)]
-    pub fn emit_all<L: Lanes>(
-        &mut self,
-        l: L,
-        rules: &Rules,
-        world: &'w World,
-        mut indices: impl Iterator<Item = PhotonIndex>,
-        log: &mut impl Log,
-    ) {
-        for first in (0..).step_by(LANES) {
-            let (mut next, mut count) = ([PhotonIndex(0); LANES], 0);
-            while count < LANES
-                && let Some(index) = indices.next()
-            {
-                next[count] = index;
-                count += 1;
-            }
-            if count == 0 {
-                return;
-            }
-            self.emit(l, rules, world, &next[..count], first, log);
+    pub fn emit_all<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, starts: &[Start], log: &mut impl Log) {
+        for starts in starts.chunks(LANES) {
+            self.emit(l, rules, world, starts, log);
         }
     }
 
-    /// Emits eight photons (or fewer, the last ones), numbered from `first`.
+    /// Emits eight photons (or fewer, the last ones).
     #[inline(always)]
-    fn emit<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, indices: &[PhotonIndex], first: u32, log: &mut impl Log) {
+    fn emit<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, starts: &[Start], log: &mut impl Log) {
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
         let eight = self.next();
         let (mut alike, mut dark) = (true, false);
-        for (k, index) in indices.iter().enumerate() {
-            let chosen = world.choice().choose(rules.sequence.value(index.0, 0));
-            log.emitted(first + k as u32, chosen.map(|(lamp, _)| lamp as u16));
+        for (k, start) in starts.iter().enumerate() {
+            let chosen = world.choice().choose(start.u[0]);
+            log.emitted(start.number, chosen.map(|(lamp, _)| lamp as u16));
             let Some((lamp, remapped)) = chosen else {
                 dark = true;
                 continue;
             };
             let Brought { lamp: number, counts, .. } = Brought::from_lamp(rules, world, lamp as u16);
-            (u[k], v[k]) = (remapped, rules.sequence.value(index.0, 1));
-            (eight.numbers[k], eight.indices[k], eight.lamps[k], eight.counts[k]) = (first + k as u32, *index, number, counts);
+            (u[k], v[k]) = (remapped, start.u[1]);
+            (eight.numbers[k], eight.indices[k], eight.lamps[k], eight.counts[k]) = (start.number, start.index, number, counts);
             alike &= number == eight.lamps[0];
         }
         if dark {
@@ -246,16 +283,16 @@ impl<'w> Flock<'w> {
             world.emissions(l, lamp(0), &u, &v)
         } else {
             let mut direction = [[0.0; LANES]; 3];
-            (0..indices.len()).for_each(|k| set_lane(&mut direction, k, world.emission(lamp(k), u[k], v[k]).to_array()));
+            (0..starts.len()).for_each(|k| set_lane(&mut direction, k, world.emission(lamp(k), u[k], v[k]).to_array()));
             direction
         };
-        for k in 0..indices.len() {
+        for k in 0..starts.len() {
             let placed = &world.lamps()[lamp(k)];
             set_lane(&mut eight.origin, k, placed.start(lane(&direction, k).into()).to_array());
         }
         (eight.hits, eight.throughput, eight.leaves, eight.near) = ([0; LANES], [[1.0; LANES]; 3], [None; LANES], [0.0; LANES]);
         eight.aim(l, l.load_vectors(&direction));
-        self.len += indices.len();
+        self.len += starts.len();
     }
 
     /// The survivors leave the surfaces that they met: `places` are theirs among `from`, `met` and `landings`.
