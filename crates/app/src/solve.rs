@@ -54,6 +54,9 @@ pub struct Arguments {
 /// The file that --resume goes on from.
 const SOLUTION: &str = "solution.light";
 
+/// Photons between two looks at the error, at least.
+const LEAST_MORE: u64 = Shooting::SLAB / 4;
+
 /// Photons of a run that ends by the clock or by its error: as many as there are indices.
 const AS_MANY_AS_IT_TAKES: u64 = lightmend_photon::halton::INDEX_LIMIT;
 
@@ -93,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         bar.set_position(arguments.seconds.map_or(photons, |_| (elapsed * 1000.0) as u64));
         !progress::interrupted() && arguments.seconds.is_none_or(|s| elapsed < s)
     };
-    let first = if arguments.error.is_some() { smallest.grown(before.max(Shooting::SLAB)) } else { pool };
+    let first = if arguments.error.is_some() { smallest.grown(before.max(LEAST_MORE)) } else { pool };
     let solution = match saved {
         None => Solution::shoot(first, world, FirstHits::AsLampsSay, &mut progress),
         Some(saved) => Solution::resume(first, world, saved, &mut progress),
@@ -106,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     while let Some(wanted) = arguments.error.filter(|wanted| median_error > *wanted && !progress::interrupted()) {
         let shot = solution.pool().photons();
         // A sixteenth more takes away 3 % of the error.
-        let more = (shot / 16).clamp(Shooting::SLAB, 16 * Shooting::SLAB).min(pool.photons() - shot);
+        let more = (shot / 16).clamp(LEAST_MORE, 16 * LEAST_MORE).min(pool.photons() - shot);
         let Some(work) = solution.grow(more).filter(|work| work.photons > 0) else { break };
         rays += work.rays;
         median_error = self::median_error(&shapes, &solution);

@@ -5,6 +5,7 @@ use crate::{
     packet::{Found, Packet},
     split::Effort,
     stack::Stack,
+    stream::{Numbered, Stream},
     tree::{Beam, Tree},
     triangle::{Hit, Triangle},
 };
@@ -92,6 +93,18 @@ impl Body {
     #[inline(always)]
     pub(crate) fn nearest_each<'t, L: Lanes>(&'t self, packet: &Packet<L>, stack: &mut Stack, found: &mut Found<'t, L>) {
         self.tree.nearest_each(&self.triangles, packet, stack, found);
+    }
+
+    /// Makes each of `met` the nearest of itself and what its ray meets here.
+    #[inline(always)]
+    pub(crate) fn nearest_of_all<'t, 'r, L: Lanes>(
+        &'t self,
+        l: L,
+        rays: &impl Numbered<'r>,
+        stream: &mut Stream,
+        met: &mut [Option<Hit<'t>>],
+    ) {
+        self.tree.nearest_of_all(l, &self.triangles, rays, stream, met);
     }
 
     /// The box about it, padded; its low corner is above its high one if it is empty.

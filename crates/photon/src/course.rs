@@ -250,11 +250,11 @@ mod tests {
     #[test]
     fn slabs_grow_until_the_pool_is_whole() {
         let (mut shot, mut slabs) = (0, Vec::new());
-        while let Some(next) = slab(shot, 1_000_000) {
+        while let Some(next) = slab(shot, 4_000_000) {
             shot += next;
             slabs.push(next);
         }
-        assert_eq!(shot, 1_000_000);
+        assert_eq!(shot, 4_000_000);
         assert_eq!(slabs[0], 4608);
         assert!(slabs[..slabs.len() - 1].is_sorted() && slabs.contains(&Shooting::SLAB), "{slabs:?}");
         assert_eq!(slab(0, 100), Some(100));

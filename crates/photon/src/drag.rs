@@ -154,7 +154,7 @@ impl Worker {
                     }
                     let current = shooting.get_or_insert_with(|| Box::new(Shooting::new(start.rules().clone(), world.clone())));
                     let before = current.work.rays;
-                    current.shoot((start.pool().photons() - current.photons()).min(Shooting::SLAB / 8)).ok()?;
+                    current.shoot((start.pool().photons() - current.photons()).min(Shooting::SLAB / 4)).ok()?;
                     *rays += current.work.rays - before;
                     if current.photons() == start.pool().photons() {
                         (*shown, *shown_world) = (current.buckets().clone(), current.world().clone());

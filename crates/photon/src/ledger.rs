@@ -25,14 +25,14 @@ use crate::{
     hash::shuffle,
     importance::Importance,
     path::{Brought, FirstHits, Rules},
-    pool::Pool,
+    pool::{PhotonIndex, Pool},
     record::{Outcome, Tally, book},
     shooting::{CLASSES, Shooting, Work, has_room, in_class},
     solution::Solution,
     wave::trace_apart,
     world::World,
 };
-use chunk::Loose;
+use chunk::{Loose, PHOTONS};
 use grid::Grid;
 use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
@@ -44,6 +44,7 @@ use replay::{Clerk, Drafts, Recorder};
 use std::{
     collections::BTreeMap,
     fmt::{Debug, Formatter},
+    ops::Range,
     sync::Arc,
 };
 use surfaces::Surfaces;
@@ -72,6 +73,24 @@ pub enum Refused {
     Stopped,
 }
 
+/// A slab that is being shot: chunks in their order, and what came of them, wave by wave.
+#[derive(Clone, Default)]
+struct Growing {
+    outcomes: Vec<Outcome>,
+    chunks: Vec<Held>,
+}
+
+/// Photons of a slab.
+pub(crate) const SLAB: u64 = CLASSES * PHOTONS as u64;
+
+/// So many chunks in a row are shot side by side. More photons are traced faster.
+const WAVE: u64 = 4;
+
+/// The photons of a chunk of a slab: those of a class. Chunks that are shot together are of neighbouring ones.
+fn in_chunk(slab: Range<u64>, chunk: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
+    in_class(slab, chunk / WAVE + CLASSES / WAVE * (chunk % WAVE), CLASSES, copies)
+}
+
 /// A pool of photons with the light that they brought and a record of how each came. Any prefix of a pool is one: it can grow.
 #[derive(Clone)]
 pub struct LedgerSolution {
@@ -82,11 +101,11 @@ pub struct LedgerSolution {
     world: Arc<World>,
     numbers: Numbers,
     grid: Grid,
-    /// The photons of each slab end before these; slab by slab, a chunk for each class.
+    /// The photons of each slab end before these; slab by slab, a chunk for each class ([`in_chunk`]).
     ends: Vec<u64>,
     chunks: Vec<Held>,
-    /// The classes of the next slab that were shot so far, each at the world that was the newest then.
-    growing: Vec<(Outcome, Held)>,
+    /// What was shot of the next slab so far, each chunk at the world that was the newest then.
+    growing: Growing,
     /// Where that slab will end.
     growing_to: u64,
     /// Worlds that records are right in, the newest with an empty difference.
@@ -126,7 +145,7 @@ impl LedgerSolution {
             grid,
             ends: Vec::new(),
             chunks: Vec::new(),
-            growing: Vec::new(),
+            growing: Growing::default(),
             growing_to: 0,
             pasts: BTreeMap::from([(0, past)]),
             newest: 0,
@@ -174,8 +193,8 @@ impl LedgerSolution {
     /// When a slab is complete its light arrives; what an edit made wrong of it meanwhile is then outstanding. Refused, nothing changes.
     pub fn grow(&mut self, photons: u64, classes: usize) -> Result<Work, Refused> {
         let start = self.photons();
-        if self.growing.is_empty() {
-            self.growing_to = (start + Shooting::SLAB).min(photons);
+        if self.growing.chunks.is_empty() {
+            self.growing_to = (start + SLAB).min(photons);
         }
         let slab = start..self.growing_to;
         if slab.is_empty() || photons <= start {
@@ -184,30 +203,41 @@ impl LedgerSolution {
         self.admits(slab.end)?;
         let (world, lamps) = (&*self.world, self.tallies.len());
         let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
-        let first = self.growing.len() as u64;
+        let first = self.growing.chunks.len() as u64;
         let newest = self.newest;
-        let shot: Vec<(Outcome, Held)> = (first..(first + classes.max(1) as u64).min(CLASSES))
+        let waves = first / WAVE..(first + classes.max(1) as u64).min(CLASSES).div_ceil(WAVE);
+        let shot: Vec<(Outcome, Vec<Held>)> = waves
             .into_par_iter()
-            .map_init(<(Loose, Drafts)>::default, |(loose, drafts), class| {
+            .map_init(<(Loose, Drafts)>::default, |(loose, drafts), wave| {
                 let mut outcome = Outcome::new(lamps, false);
-                let photons = in_class(slab.clone(), class, self.rules.sequence.copies());
-                let count = in_class(slab.clone(), class, self.rules.sequence.copies()).count();
-                loose.clear(count);
-                drafts.clear(count);
-                trace_apart(&self.rules, world, photons, &mut Clerk { recorder, drafts, outcome: &mut outcome });
-                for photon in 0..count {
-                    loose.set(photon as u8, drafts.lamps[photon], &drafts.paths[photon]);
-                }
-                (outcome, Held { chunk: loose.store(), right_in: newest, marked: Vec::new() })
+                let chunks =
+                    || (wave * WAVE..(wave + 1) * WAVE).map(|chunk| in_chunk(slab.clone(), chunk, self.rules.sequence.copies()));
+                drafts.clear(chunks().map(|photons| photons.count()).sum());
+                trace_apart(&self.rules, world, chunks().flatten(), &mut Clerk { recorder, drafts, outcome: &mut outcome });
+                let mut next = 0;
+                let mut held = |photons: usize| {
+                    loose.clear(photons);
+                    for photon in 0..photons {
+                        loose.set(photon as u8, drafts.lamps[next + photon], &drafts.paths[next + photon]);
+                    }
+                    next += photons;
+                    Held { chunk: loose.store(), right_in: newest, marked: Vec::new() }
+                };
+                let held = chunks().map(|photons| held(photons.count())).collect();
+                (outcome, held)
             })
             .collect();
-        let photons = shot.iter().map(|(_, held)| held.photons()).sum();
+        let photons = shot.iter().flat_map(|(_, held)| held).map(Held::photons).sum();
         let work = Work { photons, rays: shot.iter().map(|(outcome, _)| outcome.rays).sum() };
-        self.growing.extend(shot);
-        if self.growing.len() as u64 == CLASSES {
+        for (outcome, held) in shot {
+            self.growing.outcomes.push(outcome);
+            self.growing.chunks.extend(held);
+        }
+        if self.growing.chunks.len() as u64 == CLASSES {
             let number = self.chunks.len() as u32;
-            book(self.growing.iter().map(|(outcome, _)| outcome), &mut self.buckets, &mut self.tallies)?;
-            for (_, held) in std::mem::take(&mut self.growing) {
+            let Growing { outcomes, chunks } = std::mem::take(&mut self.growing);
+            book(outcomes.iter(), &mut self.buckets, &mut self.tallies)?;
+            for held in chunks {
                 if held.right_in != newest {
                     self.unscanned += 1;
                     self.outstanding += held.photons();
@@ -284,7 +314,7 @@ impl LedgerSolution {
                 self.outstanding += held.photons();
             }
         }
-        for (_, held) in self.growing.iter_mut().filter(|(_, held)| like_newest.binary_search(&held.right_in).is_ok()) {
+        for held in self.growing.chunks.iter_mut().filter(|held| like_newest.binary_search(&held.right_in).is_ok()) {
             held.is_right_in(self.newest, &self.pasts);
         }
         Ok(())
@@ -293,7 +323,7 @@ impl LedgerSolution {
     /// Drops worlds that no records are right in any more.
     fn forget_unused_pasts(&mut self) {
         let mut used: Vec<bool> = vec![false; self.newest as usize + 1];
-        for held in self.chunks.iter().chain(self.growing.iter().map(|(_, held)| held)) {
+        for held in self.chunks.iter().chain(&self.growing.chunks) {
             used[held.right_in as usize] = true;
             held.marked.iter().for_each(|(world, _)| used[*world as usize] = true);
         }

@@ -60,6 +60,7 @@ pub mod solution;
 pub mod solver;
 mod split;
 mod stack;
+mod stream;
 mod tree;
 pub mod triangle;
 mod urgency;

@@ -14,7 +14,7 @@ use crate::{
 /// Coordinates of eight vectors.
 pub type Vectors = [[f32; LANES]; 3];
 
-/// Rays from free space, coordinate by coordinate.
+/// Eight rays, coordinate by coordinate.
 pub struct Rays<'r> {
     /// Metres.
     pub origin: &'r Vectors,

@@ -33,6 +33,15 @@ impl AddAssign for Work {
 /// Photons of one residue class in a row: they leave a lamp in nearly the same direction and visit the same nodes of the trees.
 pub(crate) const CLASSES: u64 = 288;
 
+/// So many photons side by side are traced fastest: their rays are near one another, and they stay in the second cache.
+const WAVE: u64 = 1024;
+
+/// Into how many classes some photons are best divided: waves that are large, but enough of them for all threads.
+fn classes(photons: u64) -> u64 {
+    let wanted = (photons / WAVE).max(4 * rayon::current_num_threads() as u64);
+    (1..CLASSES).find(|count| CLASSES.is_multiple_of(*count) && *count >= wanted).unwrap_or(CLASSES)
+}
+
 /// A pool while it is shot for the first time: any prefix of it is a valid estimate.
 #[derive(Clone)]
 pub struct Shooting {
@@ -68,10 +77,10 @@ impl Shooting {
         self.work.photons
     }
 
-    /// How many photons to shoot at most between two looks at the clock.
-    pub const SLAB: u64 = CLASSES * 256;
+    /// How many photons to shoot at most between two looks at the clock. More are traced faster: they visit the same nodes of the trees.
+    pub const SLAB: u64 = CLASSES * WAVE;
 
-    /// How many at least. More in a row are traced faster: they visit the same nodes of the trees.
+    /// How many at least.
     pub const LEAST: u64 = CLASSES;
 
     /// What is shot at.
@@ -102,18 +111,18 @@ impl Shooting {
             return Ok(());
         }
         let mut spare = std::mem::take(&mut self.spare);
-        spare.0.resize_with(CLASSES as usize, || Outcome::new(0, false));
-        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| self.trace_class(indices.clone(), class as u64, outcome));
+        let classes = classes(count);
+        spare.0.resize_with(classes as usize, || Outcome::new(0, false));
+        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| {
+            outcome.clear(self.tallies.len());
+            let photons = in_class(indices.clone(), class as u64, classes, self.rules.sequence.copies());
+            trace_each(&self.rules, &self.world, photons, outcome);
+        });
         book(spare.0.iter(), &mut self.buckets, &mut self.tallies)?;
         self.work.rays += spare.0.iter().map(|outcome| outcome.rays).sum::<u64>();
         self.spare = spare;
         self.work.photons += count;
         Ok(())
-    }
-
-    fn trace_class(&self, indices: Range<u64>, class: u64, outcome: &mut Outcome) {
-        outcome.clear(self.tallies.len());
-        trace_each(&self.rules, &self.world, in_class(indices, class, self.rules.sequence.copies()), outcome);
     }
 
     /// Light that came about otherwise: what `work.photons` photons brought.
@@ -127,14 +136,14 @@ pub(crate) fn has_room(buckets: &Buckets, photons: u64) -> Result<(), Full> {
     if buckets.deposits() >= MOST_DEPOSITS || photons >= MOST_DEPOSITS as u64 { Err(Full) } else { Ok(()) }
 }
 
-/// The photons among `indices` whose points are congruent to `class` modulo [`CLASSES`]; copy by copy, so that the tables of one
+/// The photons among `indices` whose points are congruent to `class` modulo `classes`; copy by copy, so that the tables of one
 /// sequence stay at hand.
-pub(crate) fn in_class(indices: Range<u64>, class: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
+pub(crate) fn in_class(indices: Range<u64>, class: u64, classes: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
     let shift = copies.ilog2();
     (0..1u64 << shift).flat_map(move |copy| {
         let first = indices.start.saturating_sub(copy).div_ceil(1 << shift);
         let end = indices.end.saturating_sub(copy).div_ceil(1 << shift);
-        let first = first + (class + CLASSES - first % CLASSES) % CLASSES;
-        (first..end).step_by(CLASSES as usize).map(move |point| PhotonIndex(point << shift | copy))
+        let first = first + (class + classes - first % classes) % classes;
+        (first..end).step_by(classes as usize).map(move |point| PhotonIndex(point << shift | copy))
     })
 }

@@ -24,13 +24,15 @@ pub const NO_BOXES: Planes = {
 };
 
 /// Marks a child that is a block.
-const BLOCK: u32 = 1 << 31;
+pub const BLOCK: u32 = 1 << 31;
 
 /// Four lines of cache.
 #[repr(align(64))]
-struct Node {
-    planes: Planes,
-    children: [u32; LANES],
+pub struct Node {
+    /// Their boxes.
+    pub planes: Planes,
+    /// Numbers of nodes, or of blocks if they are marked so.
+    pub children: [u32; LANES],
 }
 
 /// Up to eight triangles, five lines of cache.
@@ -48,8 +50,10 @@ pub struct Block {
 /// The tree.
 #[derive(Default)]
 pub struct Tree {
-    nodes: Arc<[Node]>,
-    blocks: Vec<Block>,
+    /// The first is the root.
+    pub nodes: Arc<[Node]>,
+    /// The leaves.
+    pub blocks: Vec<Block>,
 }
 
 /// A ray as the tests of eight want it.
@@ -75,10 +79,13 @@ pub struct Skew<L: Lanes> {
     pub shear: [L::Numbers; 3],
 }
 
+/// Stands for 1 / 0.
+pub const LARGE: f32 = 1e18;
+
 /// 1 / d, large but finite where d is zero.
 #[inline(always)]
 pub fn inverse(d: f32) -> f32 {
-    d.recip().clamp(-1e18, 1e18)
+    d.recip().clamp(-LARGE, LARGE)
 }
 
 /// What one ray met of eight triangles, or eight rays of one.
@@ -125,14 +132,7 @@ impl<'r, L: Lanes> Beam<'r, L> {
     /// Meets eight triangles: [`Ray::meet`] up to the distance, which `limit` bounds.
     #[inline(always)]
     fn meets(&self, block: &Block, limit: f32) -> Option<Met<L>> {
-        let ([x, y, z], l) = (self.axes, self.lanes);
-        let [a, b, c] = &block.corners;
-        let corners = [
-            [l.load(&a[x]), l.load(&a[y]), l.load(&a[z])],
-            [l.load(&b[x]), l.load(&b[y]), l.load(&b[z])],
-            [l.load(&c[x]), l.load(&c[y]), l.load(&c[z])],
-        ];
-        self.skew.meets(l, corners, l.splat(limit))
+        self.skew.meets(self.lanes, block.load(self.lanes, self.axes), self.lanes.splat(limit))
     }
 }
 
@@ -370,20 +370,22 @@ impl<L: Lanes> Visit<Beam<'_, L>> for First<'_, '_> {
 /// The triangle that a ray leaves, if any, as seen from some triangles: among those it is told apart by its place alone, without
 /// fetching any.
 #[derive(Clone, Copy)]
-struct Left<'r> {
+pub struct Left<'r> {
     leaves: Option<&'r Triangle>,
     among: bool,
 }
 
 impl<'r> Left<'r> {
+    /// Of a ray, among `triangles`.
     #[inline(always)]
-    fn new(ray: &Ray<'r>, triangles: &[Triangle]) -> Left<'r> {
+    pub fn new(ray: &Ray<'r>, triangles: &[Triangle]) -> Left<'r> {
         let among = |left: &Triangle| triangles.as_ptr_range().contains(&std::ptr::from_ref(left));
         Left { leaves: ray.leaves, among: ray.leaves.is_some_and(among) }
     }
 
+    /// Whether it is another triangle.
     #[inline(always)]
-    fn differs_from(self, met: &Triangle) -> bool {
+    pub fn differs_from(self, met: &Triangle) -> bool {
         self.leaves.is_none_or(|left| !std::ptr::eq(left, met) && (self.among || !left.is(met)))
     }
 }
@@ -428,6 +430,17 @@ impl Block {
         Block { corners, first, count: triangles.len() as u32 }
     }
 
+    /// The corners of its triangles along some axes.
+    #[inline(always)]
+    pub fn load<L: Lanes>(&self, l: L, [x, y, z]: [usize; 3]) -> [[L::Numbers; 3]; 3] {
+        let [a, b, c] = &self.corners;
+        [
+            [l.load(&a[x]), l.load(&a[y]), l.load(&a[z])],
+            [l.load(&b[x]), l.load(&b[y]), l.load(&b[z])],
+            [l.load(&c[x]), l.load(&c[y]), l.load(&c[z])],
+        ]
+    }
+
     /// The corners of its triangle number `k` along some axes.
     #[inline(always)]
     pub fn splat<L: Lanes>(&self, l: L, k: usize, [x, y, z]: [usize; 3]) -> [[L::Numbers; 3]; 3] {
@@ -446,8 +459,9 @@ impl Block {
 }
 
 impl<L: Lanes> Met<L> {
+    /// One by one.
     #[inline(always)]
-    fn hits<'t>(&self, l: L, block: &Block, triangles: &'t [Triangle]) -> impl Iterator<Item = Hit<'t>> {
+    pub fn hits<'t>(&self, l: L, block: &Block, triangles: &'t [Triangle]) -> impl Iterator<Item = Hit<'t>> {
         let (mut mask, distances, weights) = (l.bits(self.reached), l.store(self.distance), l.store_vectors(self.weights));
         let first = block.first as usize;
         std::iter::from_fn(move || {

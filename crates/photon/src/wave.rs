@@ -13,10 +13,12 @@ use crate::{
     pool::PhotonIndex,
     record::Watch,
     stack::Stack,
+    stream::{Numbered, Stream},
     triangle::{Hit, Ray},
     world::{STACK, World},
 };
 use flock::{Flock, Landing, lane, neighbours, starts};
+use std::ops::RangeInclusive;
 
 /// Who hears of many photons.
 pub trait Log {
@@ -42,6 +44,9 @@ impl<R: Record> Log for Together<'_, R> {
     }
 }
 
+/// So many rays that left surfaces are traced together. Fewer are not worth a list.
+const TOGETHER: RangeInclusive<usize> = 16..=Stream::MOST;
+
 struct Wave<'a, 'w, I, L> {
     rules: &'a Rules,
     world: &'w World,
@@ -60,24 +65,34 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
     fn run<L: Lanes>(self, l: L) {
         let Wave { rules, world, indices, mut photons, log, stack } = self;
         let mut from_lamps = photons.len == 0;
+        let mut stream = Stream::default();
         photons.emit_all(l, rules, world, &neighbours(&starts(rules, indices)), log);
         let mut going = Flock::default();
         let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
             (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
         let mut places: Vec<u32> = Vec::with_capacity(photons.len);
         while photons.len > 0 {
-            met.clear();
             for (n, eight) in photons.eights().iter().enumerate() {
-                let count = photons.lanes(n);
-                for number in &eight.numbers[..count] {
+                for number in &eight.numbers[..photons.lanes(n)] {
                     log.of(*number).ray();
                 }
-                if from_lamps {
+            }
+            met.clear();
+            if from_lamps {
+                for (n, eight) in photons.eights().iter().enumerate() {
+                    let count = photons.lanes(n);
                     met.extend_from_slice(&world.nearest_each(l, &eight.rays(), (1 << count) - 1, stack)[..count]);
-                } else {
-                    for k in 0..count {
-                        met.push(world.nearest_in(l, &eight.ray(k), stack));
-                    }
+                }
+            } else if TOGETHER.contains(&photons.len) {
+                stream.clear();
+                for (n, eight) in photons.eights().iter().enumerate() {
+                    eight.join(l, photons.lanes(n), &mut stream);
+                }
+                met.resize(photons.len, None);
+                world.nearest_of_all(l, &photons, &mut stream, stack, &mut met);
+            } else {
+                for place in 0..photons.len {
+                    met.push(world.nearest_in(l, &photons.ray(place), stack));
                 }
             }
             from_lamps = false;

@@ -13,6 +13,7 @@ use crate::{
     packet::{Found, Packet, Rays, alike},
     sampling::uniform_sphere,
     stack::Stack,
+    stream::{Numbered, Stream},
     tree::{Beam, Way, limit},
     triangle::{Hit, Ray, Triangle},
 };
@@ -491,6 +492,25 @@ impl World {
             }
         }
         hits
+    }
+
+    /// The first surfaces that the rays of a stream meet; `met` is of as many `None`.
+    #[inline(always)]
+    pub(crate) fn nearest_of_all<'w, 'r, L: Lanes>(
+        &'w self,
+        l: L,
+        rays: &impl Numbered<'r>,
+        stream: &mut Stream,
+        stack: &mut Stack,
+        met: &mut [Option<Hit<'w>>],
+    ) {
+        if !self.crowd.placed.is_empty() {
+            for (n, best) in met.iter_mut().enumerate() {
+                self.crowd.meet(&Beam::new(l, &rays.ray(n)), stack, best);
+                stream.shorten(n, limit(best));
+            }
+        }
+        self.still.body.nearest_of_all(l, rays, stream, met);
     }
 
     /// The same without the widest lanes of this machine.

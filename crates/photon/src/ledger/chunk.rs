@@ -5,10 +5,9 @@
 //! mark of where a path begins.
 
 use super::grid::Place;
-use crate::shooting::{CLASSES, Shooting};
 
 /// Photons in a chunk: those of one residue class in one slab of the pool.
-pub const PHOTONS: usize = (Shooting::SLAB / CLASSES) as usize;
+pub const PHOTONS: usize = 256;
 
 /// A hit of a path, or where it leaves the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,6 +4,7 @@ use super::{
     LedgerSolution,
     chunk::{Chunk, Entry, Loose},
     held::{Held, Past, WorldNumber},
+    in_chunk,
     replay::{Clerk, Drafts, Passage, Recorded, Recorder},
     scan::Marks,
 };
@@ -11,7 +12,7 @@ use crate::{
     bucket::Full,
     pool::PhotonIndex,
     record::{Outcome, book},
-    shooting::{CLASSES, Work, in_class},
+    shooting::{CLASSES, Work},
     wave::{emit_each, follow_apart},
 };
 use rayon::prelude::*;
@@ -263,9 +264,9 @@ impl LedgerSolution {
 
     /// The photons of a chunk.
     fn members(&self, chunk: usize) -> impl Iterator<Item = PhotonIndex> {
-        let (slab, class) = (chunk / CLASSES as usize, chunk as u64 % CLASSES);
+        let slab = chunk / CLASSES as usize;
         let start = if slab == 0 { 0 } else { self.ends[slab - 1] };
-        in_class(start..self.ends[slab], class, self.rules.sequence.copies())
+        in_chunk(start..self.ends[slab], chunk as u64 % CLASSES, self.rules.sequence.copies())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     bucket::{Buckets, Full},
-    ledger::{LedgerSolution, Refused},
+    ledger::{LedgerSolution, Refused, SLAB},
     path::Rules,
     pool::Pool,
     shooting::{CLASSES, Shooting, Work, has_room},
@@ -85,7 +85,7 @@ impl Light {
     /// Whether another slab of photons fits.
     pub fn has_room(&self) -> bool {
         match self {
-            Light::Ledger(ledger) => ledger.admits(ledger.photons() + Shooting::SLAB).is_ok(),
+            Light::Ledger(ledger) => ledger.admits(ledger.photons() + SLAB).is_ok(),
             Light::Shooting { shooting, .. } => has_room(shooting.buckets(), shooting.photons()).is_ok(),
             Light::Groups(solution) => !solution.is_full(),
         }
@@ -110,7 +110,7 @@ impl Light {
     pub fn shoot_more(&mut self, count: u64, goal: u64) -> Grown {
         match self {
             Light::Ledger(ledger) => {
-                let classes = (count * CLASSES).div_ceil(Shooting::SLAB) as usize;
+                let classes = (count * CLASSES).div_ceil(SLAB) as usize;
                 match ledger.grow(goal, classes) {
                     Ok(work) => Grown::By(work),
                     Err(refused) => Grown::Refused(refused),

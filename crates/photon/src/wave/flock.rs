@@ -7,6 +7,7 @@ use crate::{
     path::{Brought, LONGEST_PATH, Photon, Record, Rules, before, reflectance},
     pool::PhotonIndex,
     sampling::cosine_hemispheres,
+    stream::{Numbered, Stream},
     triangle::{Aim, Hit, Ray, Triangle, aims, axes, points},
     world::World,
 };
@@ -61,10 +62,16 @@ impl<'w> Eight<'w> {
         }
     }
 
-    /// Their rays, of photons that leave lamps.
+    /// Their rays.
     #[inline(always)]
     pub fn rays(&self) -> Rays<'_> {
         Rays { origin: &self.origin, direction: &self.direction, shear: &self.shear, axes: &self.axes }
+    }
+
+    /// The first `count` of their rays join a stream.
+    #[inline(always)]
+    pub fn join<L: Lanes>(&self, l: L, count: usize, stream: &mut Stream) {
+        stream.extend(l, &self.rays(), count);
     }
 
     /// One of them.
@@ -159,15 +166,15 @@ pub struct Start {
     u: [f64; 2],
 }
 
-/// Columns and rows among which photons of one class are sorted.
-const GRID: [usize; 2] = [4, 64];
-
 /// Photons, numbered from 0.
 pub fn starts(rules: &Rules, indices: impl Iterator<Item = PhotonIndex>) -> Vec<Start> {
     let start =
         |(number, index): (u32, PhotonIndex)| Start { number, index, u: [0, 1].map(|d| rules.sequence.value(index.0, d)) };
     (0..).zip(indices).map(start).collect()
 }
+
+/// The most columns among which photons are sorted, and the rows.
+const GRID: [usize; 2] = [8, 128];
 
 /// Sorts photons so that those leave together that leave in much the same direction: by columns, then by rows.
 pub fn neighbours(starts: &[Start]) -> Vec<Start> {
@@ -178,10 +185,13 @@ pub fn neighbours(starts: &[Start]) -> Vec<Start> {
             high[d] = high[d].max(start.u[d]);
         }
     }
-    let scale = [0, 1].map(|d| GRID[d] as f64 / (high[d] - low[d]).max(1e-9) * (1.0 - 1e-6));
+    // Eight of them then leave from about a square.
+    let columns = (starts.len() / 16).isqrt().clamp(1, GRID[0]);
+    let scale = [columns, GRID[1]].map(|cells| cells as f64 * (1.0 - 1e-9));
     let place = |start: &Start| {
-        let [column, row] = [0, 1].map(|d| ((start.u[d] - low[d]) * scale[d]) as usize);
-        (column * GRID[1] + row) & (GRID[0] * GRID[1] - 1)
+        let [column, row] =
+            [0, 1].map(|d| (((start.u[d] - low[d]) / (high[d] - low[d]).max(f64::MIN_POSITIVE)) * scale[d]) as usize);
+        column % GRID[0] * GRID[1] + row % GRID[1]
     };
     let mut before = [0u32; GRID[0] * GRID[1]];
     for start in starts {
@@ -207,6 +217,13 @@ pub struct Flock<'w> {
     eights: Vec<Eight<'w>>,
     /// How many photons.
     pub len: usize,
+}
+
+impl<'w> Numbered<'w> for Flock<'w> {
+    #[inline(always)]
+    fn ray(&self, n: usize) -> Ray<'w> {
+        self.eights[n / LANES].ray(n % LANES)
+    }
 }
 
 impl<'w> Flock<'w> {
