@@ -104,6 +104,8 @@ pub trait Lanes: Arithmetic {
     fn bits(self, a: Self::Mask) -> u32;
     /// The other way round.
     fn select(self, bits: u32) -> Self::Mask;
+    /// Those of eight whole numbers whose bits are set, in order; what follows them is anything.
+    fn pack(self, from: &[u16; LANES], bits: u8) -> [u16; LANES];
     /// Asks for something that may be read soon. A hint: it changes nothing.
     fn fetch<T>(self, it: &T);
 }

@@ -98,39 +98,42 @@ impl Tree {
             return;
         }
         let Stream { lines, masks, lists, entries } = stream;
-        masks.resize(met.len(), 0);
+        let all = met.len().next_multiple_of(LANES);
+        masks.resize(all + LANES, 0);
         lists.clear();
-        lists.extend(0..met.len() as u16);
+        lists.extend(0..all as u16);
         entries.clear();
-        entries.push(Entry { at: 0, first: 0, len: met.len() as u32, end: met.len() as u32 });
+        entries.push(Entry { at: 0, first: 0, len: met.len() as u32, end: all as u32 });
         while let Some(Entry { at, first, len, end }) = entries.pop() {
             let (own, end) = (first as usize..(first + len) as usize, end as usize);
             if at & BLOCK != 0 {
                 self.blocks[(at ^ BLOCK) as usize].meet_each(l, triangles, &lists[own], lines, rays, met);
             } else {
-                let room = end + LANES * len as usize;
+                let len = len as usize;
+                let room = end + LANES * (len + LANES);
                 if lists.len() < room {
                     lists.resize(room, 0);
                 }
                 let (listed, free) = lists.split_at_mut(end);
                 let node = &self.nodes[at as usize];
-                let listed = &listed[own];
-                let (mut any, enter) = node.enter_each(l, listed, lines, masks);
+                let listed = &listed[own.start..];
+                let (mut any, enter) = node.enter_each(l, &listed[..len], lines, masks);
+                let masks = &masks[..len.next_multiple_of(LANES)];
                 let mut sorted = [(0.0, Entry { at: 0, first: 0, len: 0, end: 0 }); LANES];
                 let (mut children, mut used) = (0, 0);
                 while any != 0 {
                     let k = any.trailing_zeros() as usize & 7;
                     any &= any - 1;
-                    let count = pick(listed, masks, k, &mut free[used..][..len as usize]);
+                    let count = pick(l, listed, masks, k, &mut free[used..]);
                     let (mean, child) = (enter[k] / count as f32, node.children[k]);
                     let mut place = children & 7;
                     while place > 0 && sorted[place - 1].0 < mean {
                         sorted[place] = sorted[place - 1];
                         place -= 1;
                     }
-                    sorted[place] = (mean, Entry { at: child, first: (end + used) as u32, len: count, end: 0 });
+                    sorted[place] = (mean, Entry { at: child, first: (end + used) as u32, len: count as u32, end: 0 });
                     children += 1;
-                    used += count as usize;
+                    used += count.next_multiple_of(LANES);
                     if child & BLOCK != 0 {
                         l.fetch(&self.blocks[(child ^ BLOCK) as usize]);
                     } else {
@@ -145,18 +148,17 @@ impl Tree {
     }
 }
 
-/// Lists the rays that enter child number `k`; how many.
+/// Lists the rays that enter child number `k`; how many. Lists are read and written eight by eight.
 #[inline(always)]
-fn pick(listed: &[u16], masks: &[u8], k: usize, to: &mut [u16]) -> u32 {
-    let mut count = 0;
-    for (n, mask) in listed.iter().zip(masks) {
-        to[count] = *n;
-        count += usize::from(mask >> k & 1);
-        if count == to.len() {
-            break;
-        }
+fn pick<L: Lanes>(l: L, listed: &[u16], masks: &[u8], k: usize, to: &mut [u16]) -> usize {
+    let (listed, masks, mut count) = (listed.as_chunks::<LANES>().0, masks.as_chunks::<LANES>().0, 0);
+    for (numbers, masks) in listed.iter().zip(masks) {
+        // One bit of each byte, gathered into one.
+        let bits = (u64::from_le_bytes(*masks) >> k & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        to[count..count + LANES].copy_from_slice(&l.pack(numbers, bits as u8));
+        count += bits.count_ones() as usize;
     }
-    count as u32
+    count
 }
 
 impl Node {
@@ -167,6 +169,7 @@ impl Node {
         // What is no child would be entered, since its planes are not looked at in the order of the ray.
         let children = l.bits(l.at_most(l.load(x0), l.load(x1)));
         let (mut sum, mut any) = (l.splat(0.0), 0);
+        masks[listed.len()..][..LANES].fill(0);
         for (n, mask) in listed.iter().zip(masks) {
             let Line { origin: [x, y, z], inverse: [ix, iy, iz], limit, .. } = &lines[*n as usize];
             let (ox, oy, oz) = (l.splat(*x), l.splat(*y), l.splat(*z));

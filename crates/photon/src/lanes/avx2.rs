@@ -144,6 +144,25 @@ impl Arithmetic for Avx2 {
     }
 }
 
+/// By bits, from which bytes [`Lanes::pack`] takes each.
+static PACK: [[u8; 2 * LANES]; 256] = {
+    let mut table = [[0; 2 * LANES]; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut k, mut count) = (0, 0);
+        while k < LANES {
+            if bits >> k & 1 != 0 {
+                table[bits][count] = 2 * k as u8;
+                table[bits][count + 1] = 2 * k as u8 + 1;
+                count += 2;
+            }
+            k += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
 impl Lanes for Avx2 {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> __m256 {
@@ -184,6 +203,15 @@ impl Lanes for Avx2 {
             let own = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), own), own))
         })
+    }
+    #[inline(always)]
+    fn pack(self, from: &[u16; LANES], bits: u8) -> [u16; LANES] {
+        let mut to = [0; LANES];
+        intrinsic!({
+            let places = _mm_loadu_si128(PACK[usize::from(bits)].as_ptr().cast());
+            _mm_storeu_si128(to.as_mut_ptr().cast(), _mm_shuffle_epi8(_mm_loadu_si128(from.as_ptr().cast()), places));
+        });
+        to
     }
     #[inline(always)]
     fn bits(self, a: __m256) -> u32 {

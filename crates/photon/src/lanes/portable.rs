@@ -147,6 +147,15 @@ impl Lanes for Portable {
     #[inline(always)]
     fn fetch<T>(self, _it: &T) {}
     #[inline(always)]
+    fn pack(self, from: &[u16; LANES], bits: u8) -> [u16; LANES] {
+        let (mut packed, mut count) = ([0; LANES], 0);
+        for (k, number) in from.iter().enumerate() {
+            packed[count] = *number;
+            count += usize::from(bits >> k & 1 != 0 && count + 1 < LANES);
+        }
+        packed
+    }
+    #[inline(always)]
     fn bits(self, a: u32) -> u32 {
         a
     }
