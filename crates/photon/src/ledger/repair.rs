@@ -30,14 +30,14 @@ pub struct Mended {
 }
 
 /// Marked photons from which on a step takes no more chunks. More: more for threads to share; fewer: a shorter step.
-const STEP: u32 = 1024;
+const STEP: u32 = 4096;
 
 /// Chunks that were not scanned yet in one step, at most.
 const SWEEP: u32 = 64;
 
 /// Marked photons from which on chunks are repaired together: their new paths are traced side by side ([`crate::wave`]), and those of one
 /// chunk are few after a small edit.
-const TOGETHER: u32 = 256;
+const TOGETHER: u32 = 1024;
 
 /// What repairing some chunks brings.
 struct Repair {

@@ -200,16 +200,15 @@ impl<'a> Passage<'a> {
         let mut photon = leaving;
         for (k, recorded_triangle) in recorded.triangles.iter().copied().enumerate() {
             let Some(here) = photon else { break };
+            if recorded_triangle.is_some_and(|triangle| self.moved_out.binary_search(&triangle.object()).is_ok()) {
+                let replayed = self.take_back(here.brings(), || here, recorded, k, old);
+                path.extend_from_slice(&recorded.entries[..k]);
+                return Mending { onward: Some(here), parts: true, lamp, replayed: k as u64 + replayed };
+            }
             let was = recorded_triangle.map(|triangle| met(here.ray(), triangle));
-            let stays = recorded_triangle.is_none_or(|triangle| self.moved_out.binary_search(&triangle.object()).is_err());
-            let now = if stays {
-                self.moved_in.nearest(here.ray(), was)
-            } else {
-                new.ray();
-                self.after.nearest(here.ray())
-            };
+            let now = self.moved_in.nearest(here.ray(), was);
             let same = match (&was, &now) {
-                (Some(was), Some(now)) => stays && was.triangle.is(now.triangle) && self.reflects_alike(was),
+                (Some(was), Some(now)) => was.triangle.is(now.triangle) && self.reflects_alike(was),
                 (None, None) => true,
                 _ => false,
             };
