@@ -166,7 +166,7 @@ mod tests {
     fn what_is_to_come_is_told_before_it_comes() {
         let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell/cornell.ron");
         let world = Arc::new(World::new(&Configuration::initial(&Scene::read(&cornell).unwrap().0), TreePreset::default()));
-        let pool = Pool::new(60_000, 72, 16, Scrambling::Seed(1)).unwrap();
+        let pool = Pool::new(240_000, 72, 16, Scrambling::Seed(1)).unwrap();
         let mut ledger = LedgerSolution::shoot(pool, world.clone(), FirstHits::Never, u64::MAX, &mut |_, _| true).unwrap();
         let edit = Edit::Move { object: "short box".into(), to: DVec3::new(1.5, 0.45, 0.0) };
         let after = Arc::new(world.moved_to(&world.configuration().apply(&edit).unwrap()));

@@ -30,7 +30,7 @@ pub struct Mended {
 }
 
 /// Marked photons from which on a step takes no more chunks. More: more for threads to share; fewer: a shorter step.
-const STEP: u32 = 4096;
+const STEP: u32 = 2048;
 
 /// Chunks that were not scanned yet in one step, at most.
 const SWEEP: u32 = 64;
