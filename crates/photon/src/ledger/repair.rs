@@ -29,15 +29,19 @@ pub struct Mended {
     pub photons: Vec<PhotonIndex>,
 }
 
-/// Marked photons from which on a step takes no more chunks. More: more for threads to share; fewer: a shorter step.
-const STEP: u32 = 2048;
+/// Marked photons from which on a step takes no more chunks, at least and at most. More: more for threads to share; fewer: a shorter step.
+const STEP: [u32; 2] = [1024, 2048];
+
+/// Of what is outstanding a step takes this part, so that small repairs, too, can be followed.
+const STEPS: u64 = 8;
 
 /// Chunks that were not scanned yet in one step, at most.
 const SWEEP: u32 = 64;
 
 /// Marked photons from which on chunks are repaired together: their new paths are traced side by side ([`crate::wave`]), and those of one
 /// chunk are few after a small edit.
-const TOGETHER: u32 = 1024;
+/// At least so many, at most so many; between them a share for every thread.
+const TOGETHER: [u32; 2] = [256, 1024];
 
 /// What repairing some chunks brings.
 struct Repair {
@@ -136,13 +140,14 @@ impl LedgerSolution {
     /// Chunks that are marked or were not scanned, enough for a step.
     fn next_outstanding(&mut self) -> Vec<usize> {
         let (mut next, mut size) = (Vec::new(), 0);
+        let step = (self.outstanding / STEPS).clamp(STEP[0].into(), STEP[1].into()) as u32;
         let newest = self.newest;
         let size_of = |held: &Held| match (held.right_in == newest, held.marked.is_empty()) {
             (true, true) => None,
             (true, false) => Some(held.marks()),
-            (false, _) => Some(STEP / SWEEP),
+            (false, _) => Some(step / SWEEP),
         };
-        while size < STEP
+        while size < step
             && let Some(number) = self.visible.pop()
         {
             if let Some(more) = size_of(&self.chunks[number as usize]) {
@@ -158,7 +163,7 @@ impl LedgerSolution {
                     next.push(number);
                     size += more;
                     self.turn = turn + 1;
-                    if size >= STEP {
+                    if size >= step {
                         break;
                     }
                 }
@@ -167,12 +172,14 @@ impl LedgerSolution {
         next
     }
 
-    /// Parts of `chunks` that hold [`TOGETHER`] marked photons or a little more; the last one what is left.
+    /// Parts of `chunks` that hold as many marked photons as are repaired [`TOGETHER`] or a little more; the last one what is left.
     fn parts<'c>(&self, chunks: &'c [usize]) -> Vec<&'c [usize]> {
         let (mut parts, mut begin, mut marks) = (Vec::new(), 0, 0);
+        let all: u32 = chunks.iter().map(|number| self.chunks[*number].marks()).sum();
+        let together = all.div_ceil(rayon::current_num_threads() as u32).clamp(TOGETHER[0], TOGETHER[1]);
         for (n, number) in chunks.iter().enumerate() {
             marks += self.chunks[*number].marks();
-            if marks >= TOGETHER || n + 1 == chunks.len() {
+            if marks >= together || n + 1 == chunks.len() {
                 parts.push(&chunks[begin..=n]);
                 (begin, marks) = (n + 1, 0);
             }
