@@ -128,7 +128,7 @@ fn capacity(configuration: &Configuration) -> Vec<Row> {
         Row::at_most(
             case,
             "the fullest bucket that can be, as a share of 2⁶³",
-            "(2³⁸ + a slab of 73,728 paths of 65,536 hits) · 2²⁴",
+            "(2³⁸ + a slab of 294,912 paths of 65,536 hits) · 2²⁴",
             share,
             1.0,
         ),

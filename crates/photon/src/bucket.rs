@@ -5,7 +5,7 @@
 //!
 //! No sum can overflow: a deposit is at most 2²⁴ per channel, so [`CAPACITY`] = 2³⁹ − 1 of them fit 63 bits wherever they land: 55 times 10¹⁰. Whatever
 //! would make them more is refused whole before anything of it is added ([`Full`]). No slab of photons is shot once there are
-//! [`MOST_DEPOSITS`], half of that; a slab adds at most 2³³ ([`crate::shooting::Shooting::shoot`]). The other half is for edits that brighten the scene.
+//! [`MOST_DEPOSITS`], half of that; a slab adds at most 2³⁵ ([`crate::shooting::Shooting::shoot`]). The other half is for edits that brighten the scene.
 
 mod table;
 

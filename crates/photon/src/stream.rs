@@ -27,11 +27,11 @@ struct Entry {
     at: u32,
     first: u32,
     len: u32,
-    /// Behind this no list is needed any more once it is its turn.
+    /// When it is its turn, lists from here on are no longer needed.
     end: u32,
 }
 
-/// Room for rays and lists of them.
+/// Rays, and room for lists of them.
 #[derive(Default)]
 pub struct Stream {
     lines: Vec<Line>,
@@ -49,7 +49,7 @@ pub trait Numbered<'r> {
 
 impl Stream {
     /// How many rays at most.
-    pub const MOST: usize = 1 << 16;
+    pub const MOST: usize = (1 << 16) - LANES;
 
     /// Begins anew.
     pub fn clear(&mut self) {

@@ -44,7 +44,7 @@ impl<R: Record> Log for Together<'_, R> {
     }
 }
 
-/// So many rays that left surfaces are traced together. Fewer are not worth a list.
+/// So many rays that left surfaces are traced together; fewer are not worth a list.
 const TOGETHER: RangeInclusive<usize> = 16..=Stream::MOST;
 
 struct Wave<'a, 'w, I, L> {

@@ -174,7 +174,7 @@ pub fn starts(rules: &Rules, indices: impl Iterator<Item = PhotonIndex>) -> Vec<
 }
 
 /// The most columns among which photons are sorted, and the rows.
-const GRID: [usize; 2] = [8, 128];
+const GRID: [usize; 2] = [16, 128];
 
 /// Sorts photons so that those leave together that leave in much the same direction: by columns, then by rows.
 pub fn neighbours(starts: &[Start]) -> Vec<Start> {
