@@ -84,11 +84,11 @@ struct Growing {
 pub(crate) const SLAB: u64 = CLASSES * PHOTONS as u64;
 
 /// So many chunks in a row are shot side by side. More photons are traced faster.
-const WAVE: u64 = 4;
+const SIDE_BY_SIDE: u64 = 4;
 
 /// The photons of a chunk of a slab: those of a class. Chunks that are shot together are of neighbouring ones.
 fn in_chunk(slab: Range<u64>, chunk: u64, copies: u32) -> impl Iterator<Item = PhotonIndex> {
-    in_class(slab, chunk / WAVE + CLASSES / WAVE * (chunk % WAVE), CLASSES, copies)
+    in_class(slab, chunk / SIDE_BY_SIDE + CLASSES / SIDE_BY_SIDE * (chunk % SIDE_BY_SIDE), CLASSES, copies)
 }
 
 /// A pool of photons with the light that they brought and a record of how each came. Any prefix of a pool is one: it can grow.
@@ -205,13 +205,15 @@ impl LedgerSolution {
         let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
         let first = self.growing.chunks.len() as u64;
         let newest = self.newest;
-        let waves = first / WAVE..(first + classes.max(1) as u64).min(CLASSES).div_ceil(WAVE);
+        let waves = first / SIDE_BY_SIDE..(first + classes.max(1) as u64).min(CLASSES).div_ceil(SIDE_BY_SIDE);
         let shot: Vec<(Outcome, Vec<Held>)> = waves
             .into_par_iter()
             .map_init(<(Loose, Drafts)>::default, |(loose, drafts), wave| {
                 let mut outcome = Outcome::new(lamps, false);
-                let chunks =
-                    || (wave * WAVE..(wave + 1) * WAVE).map(|chunk| in_chunk(slab.clone(), chunk, self.rules.sequence.copies()));
+                let chunks = || {
+                    (wave * SIDE_BY_SIDE..(wave + 1) * SIDE_BY_SIDE)
+                        .map(|chunk| in_chunk(slab.clone(), chunk, self.rules.sequence.copies()))
+                };
                 drafts.clear(chunks().map(|photons| photons.count()).sum());
                 trace_apart(&self.rules, world, chunks().flatten(), &mut Clerk { recorder, drafts, outcome: &mut outcome });
                 let mut next = 0;

@@ -87,18 +87,6 @@ impl<L: Lanes> Packet<L> {
         let way = l.sub(l.load(&planes[plane]), self.origin[end][axis]);
         [l.mul(way, self.inverse[0][axis]), l.mul(way, self.inverse[1][axis])]
     }
-
-    #[inline(always)]
-    fn soonest(&self, planes: &Planes, axis: usize) -> L::Numbers {
-        let [a, b] = self.at(planes, self.near[axis], axis, 0);
-        self.lanes.min(a, b)
-    }
-
-    #[inline(always)]
-    fn last(&self, planes: &Planes, axis: usize) -> L::Numbers {
-        let [a, b] = self.at(planes, 3 + 2 * axis - self.near[axis], axis, 1);
-        self.lanes.max(a, b)
-    }
 }
 
 /// The smallest and the largest.
@@ -124,11 +112,15 @@ impl<L: Lanes> Way for Packet<L> {
     }
 
     #[inline(always)]
-    fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
-        let l = self.lanes;
-        let enter = l.max(l.max(self.soonest(planes, 0), self.soonest(planes, 1)), l.max(self.soonest(planes, 2), l.splat(0.0)));
-        let leave = l.min(l.min(self.last(planes, 0), self.last(planes, 1)), l.min(self.last(planes, 2), l.splat(limit)));
-        (l.bits(l.at_most(enter, leave)), enter)
+    fn soonest(&self, planes: &Planes, axis: usize) -> L::Numbers {
+        let [a, b] = self.at(planes, self.near[axis], axis, 0);
+        self.lanes.min(a, b)
+    }
+
+    #[inline(always)]
+    fn latest(&self, planes: &Planes, axis: usize) -> L::Numbers {
+        let [a, b] = self.at(planes, 3 + 2 * axis - self.near[axis], axis, 1);
+        self.lanes.max(a, b)
     }
 }
 

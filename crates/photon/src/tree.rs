@@ -319,8 +319,19 @@ pub trait Way {
     type Lanes: Lanes;
     /// Its lanes.
     fn lanes(&self) -> Self::Lanes;
+    /// Where it crosses the first planes of eight boxes along an axis, at the soonest.
+    fn soonest(&self, planes: &Planes, axis: usize) -> <Self::Lanes as Arithmetic>::Numbers;
+    /// Where it crosses the last planes, at the latest.
+    fn latest(&self, planes: &Planes, axis: usize) -> <Self::Lanes as Arithmetic>::Numbers;
+
     /// Which of eight boxes it enters within `limit`, and where.
-    fn enters(&self, planes: &Planes, limit: f32) -> (u32, <Self::Lanes as Arithmetic>::Numbers);
+    #[inline(always)]
+    fn enters(&self, planes: &Planes, limit: f32) -> (u32, <Self::Lanes as Arithmetic>::Numbers) {
+        let l = self.lanes();
+        let enter = l.max(l.max(self.soonest(planes, 0), self.soonest(planes, 1)), l.max(self.soonest(planes, 2), l.splat(0.0)));
+        let leave = l.min(l.min(self.latest(planes, 0), self.latest(planes, 1)), l.min(self.latest(planes, 2), l.splat(limit)));
+        (l.bits(l.at_most(enter, leave)), enter)
+    }
 }
 
 impl<L: Lanes> Way for Beam<'_, L> {
@@ -332,13 +343,13 @@ impl<L: Lanes> Way for Beam<'_, L> {
     }
 
     #[inline(always)]
-    fn enters(&self, planes: &Planes, limit: f32) -> (u32, L::Numbers) {
-        let l = self.lanes;
-        let [nx, ny, nz] = self.near;
-        let enter = l.max(l.max(self.at(planes, nx, 0), self.at(planes, ny, 1)), l.max(self.at(planes, nz, 2), l.splat(0.0)));
-        let [fx, fy, fz] = [3 - nx, 5 - ny, 7 - nz];
-        let leave = l.min(l.min(self.at(planes, fx, 0), self.at(planes, fy, 1)), l.min(self.at(planes, fz, 2), l.splat(limit)));
-        (l.bits(l.at_most(enter, leave)), enter)
+    fn soonest(&self, planes: &Planes, axis: usize) -> L::Numbers {
+        self.at(planes, self.near[axis], axis)
+    }
+
+    #[inline(always)]
+    fn latest(&self, planes: &Planes, axis: usize) -> L::Numbers {
+        self.at(planes, 3 + 2 * axis - self.near[axis], axis)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Many photons side by side: the same paths as one by one, segment after segment.
 //!
-//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Those that leave lamps in much the same direction
-//! are traced together (`packet.rs`). Directions, origins and throughputs are
-//! computed eight at a time, coordinate by coordinate, with the same functions that serve one photon. In which order photons' hits are
-//! recorded is of no consequence: deposits are integers.
+//! All are emitted, then all their rays are traced, then all arrive, then the survivors leave. Rays that leave lamps in much the same direction
+//! are traced in packets (`packet.rs`), those that leave surfaces as a stream (`stream.rs`). Directions, origins and throughputs are computed eight
+//! at a time, coordinate by coordinate, with the same functions that serve one photon. In which order photons' hits are recorded is of no
+//! consequence: deposits are integers.
 
 mod flock;
 
@@ -132,7 +132,7 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
     }
 }
 
-/// Traces photons through `world`. A few hundred at once do best.
+/// Traces photons through `world`. A few thousand at once do best.
 pub fn trace_each(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
     trace_apart(rules, world, indices, &mut Together(record));
 }
