@@ -31,6 +31,7 @@ pub mod bucket;
 mod collapse;
 pub mod course;
 pub mod courtesy;
+mod crowd;
 pub mod drag;
 pub mod emission;
 pub mod field;

@@ -6,13 +6,14 @@
 //! (Dmitriev et al. 2002, §4.1).
 
 use crate::{
+    crowd::Crowd,
     finish::Finish,
     halton::Sequence,
     lanes::{Arithmetic, One, dots, scaled},
     pool::PhotonIndex,
     sampling::cosine_hemisphere,
     triangle::{Hit, Ray, Triangle, points},
-    world::{Crowd, Difference, World},
+    world::{Difference, World},
 };
 use glam::Vec3;
 use lightmend_scene::Direct;

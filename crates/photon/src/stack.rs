@@ -1,5 +1,7 @@
 //! What a ray has yet to visit of a tree.
 
+use std::cell::RefCell;
+
 /// Of the deepest tree. Splits make 82 at most (32 of any kind, 27 of halves, 23 of the exact ones); reinsertion goes no deeper than this.
 pub const LEVELS: usize = 90;
 const SIZE: usize = 7 * LEVELS;
@@ -57,6 +59,11 @@ impl Waiting<'_> {
             }
         }
     }
+}
+
+thread_local! {
+    /// Of the rays that a thread traces.
+    pub(crate) static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) };
 }
 
 #[cfg(test)]

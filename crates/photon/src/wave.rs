@@ -12,10 +12,10 @@ use crate::{
     path::{End, Photon, Record, Rules},
     pool::PhotonIndex,
     record::Watch,
-    stack::Stack,
+    stack::{STACK, Stack},
     stream::{Numbered, Stream},
     triangle::{Hit, Ray},
-    world::{STACK, World},
+    world::World,
 };
 use flock::{Flock, Landing, lane, neighbours, starts};
 use std::ops::RangeInclusive;
@@ -86,7 +86,7 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             } else if TOGETHER.contains(&photons.len) {
                 stream.clear();
                 for (n, eight) in photons.eights().iter().enumerate() {
-                    eight.join(l, photons.lanes(n), &mut stream);
+                    stream.extend(l, &eight.rays(), photons.lanes(n));
                 }
                 met.resize(photons.len, None);
                 world.nearest_of_all(l, &photons, &mut stream, stack, &mut met);

@@ -5,135 +5,21 @@
 
 use crate::{
     body::{Body, Reach, TreePreset},
-    boxes::Boxes,
+    crowd::{Crowd, Nearest, Placed},
     emission::LampChoice,
     finish::{Finish, Finishes},
     hash::of_name,
     lanes::{Arithmetic, LANES, Lanes, One, Task, widest},
     packet::{Found, Packet, Rays, alike},
     sampling::uniform_sphere,
-    stack::Stack,
+    stack::{STACK, Stack},
     stream::{Numbered, Stream},
-    tree::{Beam, Way, limit},
+    tree::{Beam, limit},
     triangle::{Hit, Ray, Triangle},
 };
 use glam::{DMat3, DVec3, Vec3};
 use lightmend_scene::{Configuration, Lamp, Mesh, Motion, Object, lamp_rotation, trig::Double};
-use std::{
-    cell::RefCell,
-    sync::{Arc, OnceLock},
-};
-
-/// An object where it stands, with a tree of its own.
-pub(crate) struct Placed {
-    pub(crate) id: usize,
-    mesh: Arc<Mesh>,
-    motion: Motion,
-    pub(crate) body: Body,
-}
-
-/// Objects with trees of their own, in order of their numbers, and their boxes side by side.
-#[derive(Clone, Default)]
-pub struct Crowd {
-    placed: Vec<Arc<Placed>>,
-    boxes: Boxes,
-}
-
-impl Crowd {
-    fn new(placed: Vec<Arc<Placed>>) -> Crowd {
-        let boxes = Boxes::new(placed.iter().map(|placed| placed.body.bounds()));
-        Crowd { placed, boxes }
-    }
-
-    fn find(&self, id: usize) -> Option<&Arc<Placed>> {
-        self.placed.binary_search_by_key(&id, |placed| placed.id).ok().map(|n| &self.placed[n])
-    }
-
-    /// They, in order of their numbers.
-    pub(crate) fn placed(&self) -> &[Arc<Placed>] {
-        &self.placed
-    }
-
-    /// The boxes about them, padded.
-    pub fn bounds(&self) -> impl Iterator<Item = [Vec3; 2]> + '_ {
-        self.placed.iter().map(|placed| placed.body.bounds())
-    }
-
-    /// The nearest of `best` and these objects.
-    pub fn nearest<'t>(&'t self, ray: &Ray, best: Option<Hit<'t>>) -> Option<Hit<'t>> {
-        STACK.with_borrow_mut(|stack| widest(Nearest { ray, crowd: self, still: None, best, stack }))
-    }
-
-    /// Makes `best` the nearest of itself and these objects, each behind its box.
-    #[inline(always)]
-    fn meet<'t, L: Lanes>(&'t self, beam: &Beam<L>, stack: &mut Stack, best: &mut Option<Hit<'t>>) {
-        for (planes, placed) in self.boxes.eights().iter().zip(self.placed.chunks(LANES)) {
-            let (mut mask, enter) = beam.enters(planes, limit(best));
-            if mask == 0 {
-                continue;
-            }
-            let enter = beam.lanes.store(enter);
-            while mask != 0 {
-                let k = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                if enter[k] <= limit(best) {
-                    placed[k].body.nearest(beam, stack, best);
-                }
-            }
-        }
-    }
-}
-
-impl Crowd {
-    /// [`meet`](Self::meet) of eight rays.
-    #[inline(always)]
-    fn meet_each<'t, L: Lanes>(&'t self, packet: &Packet<L>, stack: &mut Stack, found: &mut Found<'t, L>) {
-        for (planes, placed) in self.boxes.eights().iter().zip(self.placed.chunks(LANES)) {
-            let (mut mask, enter) = packet.enters(planes, found.limit());
-            if mask == 0 {
-                continue;
-            }
-            let enter = packet.lanes().store(enter);
-            while mask != 0 {
-                let k = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                if enter[k] <= found.limit() {
-                    placed[k].body.nearest_each(packet, stack, found);
-                }
-            }
-        }
-    }
-}
-
-thread_local! {
-    /// Of the rays that a thread traces.
-    pub(crate) static STACK: RefCell<Stack> = const { RefCell::new(Stack::new()) };
-}
-
-/// What the ray meets first of some bodies.
-struct Nearest<'t, 'r> {
-    stack: &'r mut Stack,
-    ray: &'r Ray<'r>,
-    crowd: &'t Crowd,
-    still: Option<&'t Body>,
-    best: Option<Hit<'t>>,
-}
-
-impl<'t> Task for Nearest<'t, '_> {
-    type Output = Option<Hit<'t>>;
-
-    /// What moved first, each behind its box, then the rest.
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Option<Hit<'t>> {
-        let Nearest { ray, crowd, still, mut best, stack } = self;
-        let beam = Beam::new(lanes, ray);
-        crowd.meet(&beam, stack, &mut best);
-        if let Some(body) = still {
-            body.nearest(&beam, stack, &mut best);
-        }
-        best
-    }
-}
+use std::sync::{Arc, OnceLock};
 
 /// All that the ray meets of some bodies within a distance.
 struct All<'t, 'r> {
@@ -504,7 +390,7 @@ impl World {
         stack: &mut Stack,
         met: &mut [Option<Hit<'w>>],
     ) {
-        if !self.crowd.placed.is_empty() {
+        if !self.crowd.placed().is_empty() {
             for (n, best) in met.iter_mut().enumerate() {
                 self.crowd.meet(&Beam::new(l, &rays.ray(n)), stack, best);
                 stream.shorten(n, limit(best));
@@ -525,7 +411,7 @@ impl World {
     pub fn layers<'w>(&'w self, ray: &Ray, hit: Hit<'w>) -> Vec<Hit<'w>> {
         // A few roundings of the largest coordinate.
         let slack = 1e-6 * self.reach.metres;
-        let bodies = self.crowd.placed.iter().map(|placed| &placed.body).chain([&*self.still.body]).collect();
+        let bodies = self.crowd.placed().iter().map(|placed| &placed.body).chain([&*self.still.body]).collect();
         let farthest = hit.distance + slack;
         let mut found = STACK.with_borrow_mut(|stack| widest(All { ray, bodies, farthest, stack }));
         found.retain(|other| {

@@ -11,8 +11,9 @@ use super::{
     surfaces::Surfaces,
 };
 use crate::{
+    crowd::Crowd,
     importance::Importance,
-    world::{Crowd, Difference, World},
+    world::{Difference, World},
 };
 use std::{collections::BTreeMap, sync::Arc};
 

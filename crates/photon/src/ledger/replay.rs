@@ -14,12 +14,13 @@ use super::{
 };
 use crate::{
     bucket::Address,
+    crowd::Crowd,
     path::{Brought, End, LONGEST_PATH, Photon, Record, Rules, cell, reflectance},
     pool::PhotonIndex,
     record::{Outcome, Watch},
     triangle::{Hit, Ray, Triangle},
     wave::Log,
-    world::{Crowd, Difference, World},
+    world::{Difference, World},
 };
 use glam::Vec3;
 

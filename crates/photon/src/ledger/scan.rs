@@ -12,8 +12,9 @@ use super::{
     swarm::Swarm,
 };
 use crate::{
+    crowd::Crowd,
     lanes::{LANES, Lanes, Task, widest},
-    world::{Crowd, Difference, World},
+    world::{Difference, World},
 };
 use std::ops::Range;
 

@@ -2,11 +2,7 @@
 //!
 //! They are those of the trees. What did not move keeps its table from world to world.
 
-use crate::{
-    body::Body,
-    triangle::Triangle,
-    world::{Placed, World},
-};
+use crate::{body::Body, crowd::Placed, triangle::Triangle, world::World};
 use std::sync::Arc;
 
 /// Where an object's triangles are.

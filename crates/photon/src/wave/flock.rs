@@ -7,7 +7,7 @@ use crate::{
     path::{Brought, LONGEST_PATH, Photon, Record, Rules, before, reflectance},
     pool::PhotonIndex,
     sampling::cosine_hemispheres,
-    stream::{Numbered, Stream},
+    stream::Numbered,
     triangle::{Aim, Hit, Ray, Triangle, aims, axes, points},
     world::World,
 };
@@ -66,12 +66,6 @@ impl<'w> Eight<'w> {
     #[inline(always)]
     pub fn rays(&self) -> Rays<'_> {
         Rays { origin: &self.origin, direction: &self.direction, shear: &self.shear, axes: &self.axes }
-    }
-
-    /// The first `count` of their rays join a stream.
-    #[inline(always)]
-    pub fn join<L: Lanes>(&self, l: L, count: usize, stream: &mut Stream) {
-        stream.extend(l, &self.rays(), count);
     }
 
     /// One of them.
