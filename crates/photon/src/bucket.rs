@@ -13,7 +13,7 @@ use glam::Vec3;
 use lightmend_scene::Configuration;
 use std::{
     io::{self, Write},
-    iter::{empty, once},
+    iter::{empty, once, repeat_n},
     sync::Arc,
 };
 use table::Table;
@@ -272,5 +272,5 @@ impl PartialEq for Buckets {
 
 /// A page without light.
 fn dark(cells: u32) -> Arc<[Bucket]> {
-    vec![Bucket::default(); cells as usize].into()
+    repeat_n(Bucket::default(), cells as usize).collect()
 }

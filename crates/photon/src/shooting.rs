@@ -10,8 +10,10 @@ use crate::{
 };
 use rayon::prelude::*;
 use std::{
+    cell::RefCell,
+    iter::once,
     ops::{AddAssign, Range},
-    sync::Arc,
+    sync::{Arc, Mutex, PoisonError},
 };
 
 /// Work done: what a fair comparison counts.
@@ -51,17 +53,11 @@ pub struct Shooting {
     pub(crate) tallies: Vec<Tally>,
     /// Work so far.
     pub work: Work,
-    spare: Spare,
 }
 
-/// What classes of photons left behind in the last slab, empty: its memory serves the next one.
-#[derive(Default)]
-struct Spare(Vec<Outcome>);
-
-impl Clone for Spare {
-    fn clone(&self) -> Spare {
-        Spare::default()
-    }
+thread_local! {
+    /// What the last wave on a thread left: its memory serves the next one.
+    static LEFT: RefCell<Outcome> = RefCell::new(Outcome::new(0, false));
 }
 
 impl Shooting {
@@ -69,7 +65,7 @@ impl Shooting {
     pub fn new(rules: Arc<Rules>, world: Arc<World>) -> Shooting {
         let buckets = Buckets::new(world.configuration());
         let tallies = vec![Tally::default(); world.configuration().lamp_slots()];
-        Shooting { rules, world, buckets, tallies, work: Work::default(), spare: Spare::default() }
+        Shooting { rules, world, buckets, tallies, work: Work::default() }
     }
 
     /// Photons shot so far; their indices are the first ones.
@@ -110,24 +106,30 @@ impl Shooting {
             self.work.photons += count;
             return Ok(());
         }
-        let mut spare = std::mem::take(&mut self.spare);
-        let classes = classes(count);
-        spare.0.resize_with(classes as usize, || Outcome::new(0, false));
-        spare.0.par_iter_mut().enumerate().for_each(|(class, outcome)| {
-            outcome.clear(self.tallies.len());
-            let photons = in_class(indices.clone(), class as u64, classes, self.rules.sequence.copies());
-            trace_each(&self.rules, &self.world, photons, outcome);
-        });
-        book(spare.0.iter(), &mut self.buckets, &mut self.tallies)?;
-        self.work.rays += spare.0.iter().map(|outcome| outcome.rays).sum::<u64>();
-        self.spare = spare;
+        let (classes, lamps, world) = (classes(count), self.tallies.len(), &*self.world);
+        // Added while other waves are traced, and while it is still in the processor's caches. There is room for all of the slab.
+        let light = Mutex::new((&mut self.buckets, &mut self.tallies, &mut self.work.rays));
+        (0..classes as usize).into_par_iter().with_max_len(1).try_for_each(|class| {
+            LEFT.with_borrow_mut(|outcome| {
+                outcome.clear(lamps);
+                trace_each(
+                    &self.rules,
+                    world,
+                    in_class(indices.clone(), class as u64, classes, self.rules.sequence.copies()),
+                    outcome,
+                );
+                let (buckets, tallies, rays) = &mut *light.lock().unwrap_or_else(PoisonError::into_inner);
+                **rays += outcome.rays;
+                book(once(&*outcome), buckets, tallies)
+            })
+        })?;
         self.work.photons += count;
         Ok(())
     }
 
     /// Light that came about otherwise: what `work.photons` photons brought.
     pub(crate) fn of(rules: Arc<Rules>, world: Arc<World>, buckets: Buckets, tallies: Vec<Tally>, work: Work) -> Shooting {
-        Shooting { rules, world, buckets, tallies, work, spare: Spare::default() }
+        Shooting { rules, world, buckets, tallies, work }
     }
 }
 

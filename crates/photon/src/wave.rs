@@ -66,7 +66,8 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
         let Wave { rules, world, indices, mut photons, log, stack } = self;
         let mut from_lamps = photons.len == 0;
         let mut stream = Stream::default();
-        photons.emit_all(l, rules, world, &neighbours(&starts(rules, indices)), log);
+        let starts = starts(rules, indices);
+        photons.emit_all(l, rules, world, &starts, &neighbours(&starts), log);
         let mut going = Flock::default();
         let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
             (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
@@ -170,7 +171,9 @@ impl<'w, I: Iterator<Item = PhotonIndex>> Task for Leaving<'_, 'w, I> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<Photon<'w>> {
         let mut photons = Flock::default();
-        photons.emit_all(l, self.rules, self.world, &starts(self.rules, self.indices), &mut Nobody);
+        let starts = starts(self.rules, self.indices);
+        let in_turn: Vec<u32> = (0..starts.len() as u32).collect();
+        photons.emit_all(l, self.rules, self.world, &starts, &in_turn, &mut Nobody);
         (0..photons.len).map(|place| photons.eights()[place / LANES].photon(place % LANES)).collect()
     }
 }

@@ -170,8 +170,8 @@ pub fn starts(rules: &Rules, indices: impl Iterator<Item = PhotonIndex>) -> Vec<
 /// The most columns among which photons are sorted, and the rows.
 const GRID: [usize; 2] = [16, 128];
 
-/// Sorts photons so that those leave together that leave in much the same direction: by columns, then by rows.
-pub fn neighbours(starts: &[Start]) -> Vec<Start> {
+/// The order of photons in which those leave together that leave in much the same direction: by columns, then by rows.
+pub fn neighbours(starts: &[Start]) -> Vec<u32> {
     let (mut low, mut high) = ([1.0f64; 2], [0.0f64; 2]);
     for start in starts {
         for d in 0..2 {
@@ -195,13 +195,13 @@ pub fn neighbours(starts: &[Start]) -> Vec<Start> {
     for count in &mut before {
         sum += std::mem::replace(count, sum);
     }
-    let mut sorted = starts.to_vec();
-    for start in starts {
+    let mut order = vec![0; starts.len()];
+    for (n, start) in (0..).zip(starts) {
         let place = &mut before[place(start)];
-        sorted[*place as usize] = *start;
+        order[*place as usize] = n;
         *place += 1;
     }
-    sorted
+    order
 }
 
 /// Photons side by side; all eights but the last are full.
@@ -260,21 +260,30 @@ impl<'w> Flock<'w> {
         self.len += 1;
     }
 
-    /// Emits photons.
+    /// Emits photons, in an order.
     #[inline(always)]
-    pub fn emit_all<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, starts: &[Start], log: &mut impl Log) {
-        for starts in starts.chunks(LANES) {
-            self.emit(l, rules, world, starts, log);
+    pub fn emit_all<L: Lanes>(
+        &mut self,
+        l: L,
+        rules: &Rules,
+        world: &'w World,
+        starts: &[Start],
+        order: &[u32],
+        log: &mut impl Log,
+    ) {
+        self.eights.reserve(order.len().div_ceil(LANES));
+        for eight in order.chunks(LANES) {
+            self.emit(l, rules, world, starts, eight, log);
         }
     }
 
     /// Emits eight photons (or fewer, the last ones).
     #[inline(always)]
-    fn emit<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, starts: &[Start], log: &mut impl Log) {
+    fn emit<L: Lanes>(&mut self, l: L, rules: &Rules, world: &'w World, starts: &[Start], order: &[u32], log: &mut impl Log) {
         let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
         let eight = self.next();
         let (mut alike, mut dark) = (true, false);
-        for (k, start) in starts.iter().enumerate() {
+        for (k, start) in order.iter().map(|n| &starts[*n as usize]).enumerate() {
             let chosen = world.choice().choose(start.u[0]);
             log.emitted(start.number, chosen.map(|(lamp, _)| lamp as u16));
             let Some((lamp, remapped)) = chosen else {
@@ -294,16 +303,16 @@ impl<'w> Flock<'w> {
             world.emissions(l, lamp(0), &u, &v)
         } else {
             let mut direction = [[0.0; LANES]; 3];
-            (0..starts.len()).for_each(|k| set_lane(&mut direction, k, world.emission(lamp(k), u[k], v[k]).to_array()));
+            (0..order.len()).for_each(|k| set_lane(&mut direction, k, world.emission(lamp(k), u[k], v[k]).to_array()));
             direction
         };
-        for k in 0..starts.len() {
+        for k in 0..order.len() {
             let placed = &world.lamps()[lamp(k)];
             set_lane(&mut eight.origin, k, placed.start(lane(&direction, k).into()).to_array());
         }
         (eight.hits, eight.throughput, eight.leaves, eight.near) = ([0; LANES], [[1.0; LANES]; 3], [None; LANES], [0.0; LANES]);
         eight.aim(l, l.load_vectors(&direction));
-        self.len += starts.len();
+        self.len += order.len();
     }
 
     /// The survivors leave the surfaces that they met: `places` are theirs among `from`, `met` and `landings`.
