@@ -92,14 +92,14 @@ pub trait Lanes: Arithmetic {
     }
     /// From memory.
     fn load(self, from: &[f32; LANES]) -> Self::Numbers;
-    /// From whole numbers in memory.
-    fn widen(self, from: &[u16; LANES]) -> Self::Numbers;
     /// Doubles from memory.
     fn load_doubles(self, from: &[f64; LANES]) -> Self::Doubles;
     /// To memory.
     fn store(self, x: Self::Numbers) -> [f32; LANES];
     /// Whether whole numbers in memory are among the `count` ones from `first` on; `count` is at least 1.
     fn among(self, from: &[u32; LANES], first: u32, count: u32) -> Self::Mask;
+    /// Which of sixteen boxes between two points each meet the box between two corners, or reach out of all whole numbers along their first axis: a bit each.
+    fn meet(self, from: [&[u16; 2 * LANES]; 3], to: [&[u16; 2 * LANES]; 3], low: [u16; 3], high: [u16; 3]) -> u32;
     /// Bit k for number k.
     fn bits(self, a: Self::Mask) -> u32;
     /// The other way round.

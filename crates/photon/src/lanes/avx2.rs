@@ -169,10 +169,6 @@ impl Lanes for Avx2 {
         intrinsic!(_mm256_loadu_ps(from.as_ptr()))
     }
     #[inline(always)]
-    fn widen(self, from: &[u16; LANES]) -> __m256 {
-        intrinsic!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))))
-    }
-    #[inline(always)]
     fn load_doubles(self, from: &[f64; LANES]) -> Doubles {
         let [low, high] = intrinsic!([_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(LANES / 2))]);
         Doubles(low, high)
@@ -189,6 +185,26 @@ impl Lanes for Avx2 {
             let off = _mm256_sub_epi32(_mm256_loadu_si256(from.as_ptr().cast()), _mm256_set1_epi32(first as i32));
             let last = _mm256_set1_epi32((count - 1) as i32);
             _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(off, last), off))
+        })
+    }
+    #[inline(always)]
+    fn meet(self, from: [&[u16; 2 * LANES]; 3], to: [&[u16; 2 * LANES]; 3], low: [u16; 3], high: [u16; 3]) -> u32 {
+        intrinsic!({
+            let (mut inside, mut outside) = (_mm256_set1_epi16(-1), _mm256_setzero_si256());
+            for axis in 0..3 {
+                let a = _mm256_loadu_si256(from[axis].as_ptr().cast());
+                let b = _mm256_loadu_si256(to[axis].as_ptr().cast());
+                let (least, most) = (_mm256_min_epu16(a, b), _mm256_max_epu16(a, b));
+                let (low, high) = (_mm256_set1_epi16(low[axis] as i16), _mm256_set1_epi16(high[axis] as i16));
+                let begins = _mm256_cmpeq_epi16(_mm256_min_epu16(least, high), least);
+                let ends = _mm256_cmpeq_epi16(_mm256_max_epu16(most, low), most);
+                inside = _mm256_and_si256(inside, _mm256_and_si256(begins, ends));
+                if axis == 0 {
+                    outside = _mm256_cmpeq_epi16(most, _mm256_set1_epi16(-1));
+                }
+            }
+            let met = _mm256_or_si256(inside, outside);
+            _mm_movemask_epi8(_mm_packs_epi16(_mm256_castsi256_si128(met), _mm256_extracti128_si256::<1>(met))) as u32
         })
     }
     #[inline(always)]

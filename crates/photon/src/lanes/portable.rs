@@ -129,10 +129,6 @@ impl Lanes for Portable {
         *from
     }
     #[inline(always)]
-    fn widen(self, from: &[u16; LANES]) -> [f32; LANES] {
-        from.map(f32::from)
-    }
-    #[inline(always)]
     fn load_doubles(self, from: &[f64; LANES]) -> Doubles {
         Doubles(*from)
     }
@@ -143,6 +139,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn among(self, from: &[u32; LANES], first: u32, count: u32) -> u32 {
         mask(|k| from[k].wrapping_sub(first) < count)
+    }
+    #[inline(always)]
+    fn meet(self, from: [&[u16; 2 * LANES]; 3], to: [&[u16; 2 * LANES]; 3], low: [u16; 3], high: [u16; 3]) -> u32 {
+        (0..2 * LANES).fold(0, |bits, k| {
+            let inside = (0..3).all(|axis| {
+                let (a, b) = (from[axis][k], to[axis][k]);
+                a.min(b) <= high[axis] && a.max(b) >= low[axis]
+            });
+            bits | u32::from(inside || from[0][k].max(to[0][k]) == u16::MAX) << k
+        })
     }
     #[inline(always)]
     fn fetch<T>(self, _it: &T) {}

@@ -3,11 +3,12 @@
 //! A path changes only if it meets a changed object where that stood (its hits tell), if something stands in its way now (its segments
 //! against the boxes of what moved), or if its lamp changed. Boxes are larger than what they hold by all that storing and stepping
 //! back can shift a segment, so no photon is missed; some are suspected for nothing, and replaying them clears them.
-//! A segment meets a box unless one of thirteen axes parts them (Gottschalk, Lin, Manocha 1996): for a segment six are left.
+//! Most segments pass what moved at a distance: their boxes, in whole numbers and sixteen at a time, do not meet the box about all of it. Of the
+//! others a segment meets a box unless one of thirteen axes parts them (Gottschalk, Lin, Manocha 1996): for a segment six are left.
 
 use super::{
     chunk::{Chunk, Level, PHOTONS},
-    grid::{Cuboid, Grid, OUTSIDE},
+    grid::{Cuboid, Grid, OUTSIDE, Place, UNKNOWN},
     numbers::{ESCAPED, Numbers},
     swarm::Swarm,
 };
@@ -71,10 +72,12 @@ pub struct Suspicion {
     lamps: Vec<u16>,
     elements: Vec<Range<u32>>,
     boxes: Swarm,
+    /// Low and high corner of a box about them, in steps of the grid; `None` if no way of a photon is suspected.
+    around: Option<[Place; 2]>,
     /// Something moved to where the grid does not reach.
     beyond: bool,
     /// Where the lamps stood, in steps of the grid, by number.
-    origins: Vec<[f32; 3]>,
+    origins: Vec<Place>,
 }
 
 impl Suspicion {
@@ -82,13 +85,16 @@ impl Suspicion {
     pub fn new(before: &World, changed: &Difference, moved_in: &Crowd, numbers: &Numbers, grid: &Grid) -> Suspicion {
         // The most by which a path steps back from a surface, and a little for where the hit is stored.
         let slack = 16.5 * before.reach().step_back();
+        let boxes = Swarm::new(moved_in.bounds(), slack, grid);
+        let beyond = moved_in.bounds().any(|bounds| !grid.cuboid(bounds, slack).1);
         Suspicion {
             all: changed.choice,
             lamps: changed.lamps.iter().map(|lamp| *lamp as u16).collect(),
             elements: numbers.of_objects(&changed.objects),
-            beyond: moved_in.bounds().any(|bounds| !grid.cuboid(bounds, slack).1),
-            boxes: Swarm::new(moved_in.bounds(), slack, grid),
-            origins: before.lamps().iter().map(|lamp| grid.place(lamp.position.as_vec3()).map(f32::from)).collect(),
+            around: around(&boxes, beyond),
+            beyond,
+            boxes,
+            origins: before.lamps().iter().map(|lamp| grid.place(lamp.position.as_vec3())).collect(),
         }
     }
 
@@ -98,9 +104,23 @@ impl Suspicion {
     }
 
     /// Whether the photons of this lamp are suspected, and where it stood.
-    fn of_lamp(&self, lamp: u16) -> (bool, [f32; 3]) {
-        (self.lamps.contains(&lamp), self.origins.get(usize::from(lamp)).copied().unwrap_or([OUTSIDE; 3]))
+    fn of_lamp(&self, lamp: u16) -> (bool, Place) {
+        (self.lamps.contains(&lamp), self.origins.get(usize::from(lamp)).copied().unwrap_or(UNKNOWN))
     }
+}
+
+/// A box about boxes, a step larger so that no rounding leaves out what touches one of them.
+fn around(boxes: &Swarm, beyond: bool) -> Option<[Place; 2]> {
+    let (mut low, mut high) = ([OUTSIDE; 3], [0.0f32; 3]);
+    for Cuboid { sum, size } in boxes.0.iter().map(|node| node.cuboid) {
+        for axis in 0..3 {
+            low[axis] = low[axis].min((sum[axis] - size[axis]) / 2.0 - 1.0);
+            high[axis] = high[axis].max((sum[axis] + size[axis]) / 2.0 + 1.0);
+        }
+    }
+    // What is too small or too large becomes the smallest or largest number.
+    let around = [low.map(|low| low.floor() as u16), high.map(|high| high.ceil() as u16)];
+    (beyond || !boxes.0.is_empty()).then_some(around)
 }
 
 /// A look through the records of one chunk.
@@ -112,75 +132,124 @@ struct Looking<'a> {
 impl Task for Looking<'_> {
     type Output = Marks;
 
-    /// Eight photons at a time, from their lamps to their last points.
+    /// Level by level, as the records lie in memory: first whose box meets that about all boxes, then which of those touch one.
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Marks {
         let Looking { suspicion, chunk } = self;
-        let Level { places: [xs, ys, zs], elements } = chunk.all();
-        let walks = suspicion.beyond || !suspicion.boxes.0.is_empty();
+        let Level { places, elements } = chunk.all();
         let mut marks = Marks::default();
-        for block in (0..chunk.order().len()).step_by(LANES) {
-            let (mut found, mut from) = self.leaving(l, block);
-            let mut start = block;
-            for reaching in chunk.reaching() {
-                let reaching = usize::from(*reaching);
-                if reaching <= block {
-                    break;
-                }
+        let mut near = [0; PHOTONS + LANES];
+        let (mut room, mut numbers) = ([[0; 2 * LANES]; 6], [0; LANES]);
+        let lamps = self.lamps(&mut marks);
+        // Where photons come from on a level: rows, and where in them the first one is.
+        let (mut before, mut begin) = ([&lamps[0][..], &lamps[1], &lamps[2]], 0);
+        let mut start = 0;
+        for reaching in chunk.reaching() {
+            let reaching = usize::from(*reaching);
+            for block in (0..reaching).step_by(LANES) {
                 let mut suspected = l.less(l.splat(0.0), l.splat(0.0));
-                let hits = eight(elements, start);
+                let hits = some(elements, start + block, &mut numbers);
                 for range in &suspicion.elements {
-                    suspected = l.or(suspected, l.among(&hits, range.start, range.end - range.start));
+                    suspected = l.or(suspected, l.among(hits, range.start, range.end - range.start));
                 }
                 if suspicion.beyond {
-                    suspected = l.or(suspected, l.among(&hits, ESCAPED, 1));
-                }
-                if walks {
-                    let to = [l.widen(&eight(xs, start)), l.widen(&eight(ys, start)), l.widen(&eight(zs, start))];
-                    suspected = l.or(suspected, Segments::new(l, from, to).touch(suspicion));
-                    from = to;
+                    suspected = l.or(suspected, l.among(hits, ESCAPED, 1));
                 }
                 // What follows the last photon of a level is of the next one.
-                found |= l.bits(suspected) & (u32::MAX >> 32usize.saturating_sub(reaching - block));
-                start += reaching;
+                marks.add(block, l.bits(suspected) & first(reaching - block));
             }
-            marks.add(block, found);
+            if let Some([low, high]) = suspicion.around {
+                let mut count = 0;
+                for block in (0..reaching).step_by(2 * LANES) {
+                    let [a, b, c, d, e, f] = &mut room;
+                    let at = begin + block;
+                    let from = [some(before[0], at, a), some(before[1], at, b), some(before[2], at, c)];
+                    let at = start + block;
+                    let to = [some(places[0], at, d), some(places[1], at, e), some(places[2], at, f)];
+                    let bits = l.meet(from, to, low, high) & first(reaching - block);
+                    for (half, bits) in [bits as u8, (bits >> LANES) as u8].into_iter().enumerate() {
+                        let ranks = RANKS[block / LANES + half];
+                        near[count..count + LANES].copy_from_slice(&l.pack(&ranks, bits));
+                        count += bits.count_ones() as usize;
+                    }
+                }
+                for ranks in near[..count].chunks(LANES) {
+                    let [mut from, mut to] = [[[0.0; LANES]; 3]; 2];
+                    for (k, rank) in ranks.iter().enumerate() {
+                        let rank = usize::from(*rank);
+                        for axis in 0..3 {
+                            from[axis][k] = f32::from(before[axis][begin + rank]);
+                            to[axis][k] = f32::from(places[axis][start + rank]);
+                        }
+                    }
+                    let touched = Segments::new(l, l.load_vectors(&from), l.load_vectors(&to)).touch(suspicion);
+                    let mut touched = l.bits(touched) & first(ranks.len());
+                    while touched != 0 {
+                        let rank = usize::from(ranks[touched.trailing_zeros() as usize]);
+                        marks.0[rank / 64] |= 1 << (rank % 64);
+                        touched &= touched - 1;
+                    }
+                }
+            }
+            (before, begin) = (places, start);
+            start += reaching;
         }
         marks
     }
 }
 
+/// The ranks, eight by eight.
+static RANKS: [[u16; LANES]; PHOTONS / LANES] = {
+    let (mut ranks, mut rank) = ([[0; LANES]; PHOTONS / LANES], 0);
+    while rank < PHOTONS {
+        ranks[rank / LANES][rank % LANES] = rank as u16;
+        rank += 1;
+    }
+    ranks
+};
+
+/// Bits of the first so many, or of all.
+#[inline(always)]
+fn first(count: usize) -> u32 {
+    u32::MAX >> 32usize.saturating_sub(count)
+}
+
 impl Looking<'_> {
-    /// Which of eight photons leave a suspected lamp, and where they leave it.
+    /// Marks the photons of suspected lamps; where all leave theirs, by rank.
     #[inline(always)]
-    fn leaving<L: Lanes>(&self, l: L, block: usize) -> (u32, [L::Numbers; 3]) {
+    fn lamps(&self, marks: &mut Marks) -> [[u16; PHOTONS]; 3] {
         if let [lamp] = self.chunk.lamps() {
             let (suspected, [x, y, z]) = self.suspicion.of_lamp(*lamp);
-            let photons = self.chunk.order().len() - block;
-            let all = u32::MAX >> 32usize.saturating_sub(photons.min(LANES));
-            return (if suspected { all } else { 0 }, [l.splat(x), l.splat(y), l.splat(z)]);
+            if suspected {
+                *marks = Marks::first(self.chunk.order().len());
+            }
+            return [[x; PHOTONS], [y; PHOTONS], [z; PHOTONS]];
         }
-        let (mut found, mut from) = (0, [[OUTSIDE; LANES]; 3]);
-        for (k, lamp) in self.chunk.lamps().iter().skip(block).take(LANES).enumerate() {
+        let mut rows = [[0; PHOTONS]; 3];
+        for (rank, lamp) in self.chunk.lamps().iter().enumerate() {
             let (suspected, place) = self.suspicion.of_lamp(*lamp);
-            found |= u32::from(suspected) << k;
-            (0..3).for_each(|axis| from[axis][k] = place[axis]);
+            marks.0[rank / 64] |= u64::from(suspected) << (rank % 64);
+            for axis in 0..3 {
+                rows[axis][rank] = place[axis];
+            }
         }
-        (found, [l.load(&from[0]), l.load(&from[1]), l.load(&from[2])])
+        rows
     }
 }
 
-/// Eight from `start` on; what is not there is zero.
+/// Some from `start` on, where they are if they are all there; what is not there is anything.
 #[inline(always)]
-fn eight<T: Copy + Default>(row: &[T], start: usize) -> [T; LANES] {
-    match row.get(start..start + LANES) {
-        Some(eight) => eight.try_into().unwrap_or_default(),
-        None => {
-            let mut eight = [T::default(); LANES];
-            row[start..].iter().zip(&mut eight).for_each(|(from, to)| *to = *from);
-            eight
-        }
+fn some<'a, T: Copy, const N: usize>(row: &'a [T], start: usize, room: &'a mut [T; N]) -> &'a [T; N] {
+    match row[start..].first_chunk() {
+        Some(some) => some,
+        None => at_the_end(&row[start..], room),
     }
+}
+
+#[cold]
+fn at_the_end<'a, T: Copy, const N: usize>(from: &[T], room: &'a mut [T; N]) -> &'a [T; N] {
+    room[..from.len()].copy_from_slice(from);
+    room
 }
 
 /// Eight segments: the way from one end to the other, the sum of both, the way's absolute value, and where an end is outside.
@@ -331,13 +400,15 @@ mod tests {
             }
             let corners = (0..seed % 23).map(|n| [point(n * 9), point(n * 9) + 0.3]);
             let boxes: Vec<_> = corners.clone().filter_map(|corners| grid.cuboid(corners, 0.0).0).collect();
-            let origins = (0..2).map(|lamp| grid.place(point(77 + lamp)).map(f32::from)).collect();
+            let origins = (0..2).map(|lamp| grid.place(point(77 + lamp))).collect();
+            let (swarm, beyond) = (Swarm::new(corners, 0.0, &grid), seed % 6 == 0);
             let suspicion = Suspicion {
                 all: seed % 50 == 49,
                 lamps: if seed % 4 == 0 { vec![1] } else { vec![] },
                 elements: vec![20..21, 300..350],
-                boxes: Swarm::new(corners, 0.0, &grid),
-                beyond: seed % 6 == 0,
+                around: around(&swarm, beyond),
+                boxes: swarm,
+                beyond,
                 origins,
             };
             let chunk = loose.store();
@@ -346,7 +417,8 @@ mod tests {
                 assert_eq!(marks, Looking { suspicion: &suspicion, chunk: &chunk }.run(Portable));
             }
             for (rank, photon) in chunk.order().iter().enumerate() {
-                let (of_lamp, mut from) = suspicion.of_lamp(lamp(u64::from(*photon)));
+                let (of_lamp, place) = suspicion.of_lamp(lamp(u64::from(*photon)));
+                let mut from = place.map(f32::from);
                 let mut wrong = suspicion.all || of_lamp;
                 for entry in &paths[usize::from(*photon)] {
                     let to = entry.place.map(f32::from);
