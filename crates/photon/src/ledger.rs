@@ -215,7 +215,8 @@ impl LedgerSolution {
                         .map(|chunk| in_chunk(slab.clone(), chunk, self.rules.sequence.copies()))
                 };
                 drafts.clear(chunks().map(|photons| photons.count()).sum());
-                trace_apart(&self.rules, world, chunks().flatten(), &mut Clerk { recorder, drafts, outcome: &mut outcome });
+                let clerk = &mut Clerk { recorder, drafts, outcome: &mut outcome };
+                trace_apart(&self.rules, world, (0..).zip(chunks().flatten()), &[], clerk);
                 let mut next = 0;
                 let mut held = |photons: usize| {
                     loose.clear(photons);

@@ -50,24 +50,27 @@ const TOGETHER: RangeInclusive<usize> = 16..=Stream::MOST;
 struct Wave<'a, 'w, I, L> {
     rules: &'a Rules,
     world: &'w World,
-    /// Photons that are emitted, numbered from 0.
+    /// Photons that are emitted, with their numbers.
     indices: I,
-    /// Those that are under way.
-    photons: Flock<'w>,
+    /// Photons that are under way already, with their numbers. They join the others when these have met something.
+    under_way: &'a [(u32, Photon<'w>)],
     log: &'a mut L,
     stack: &'a mut Stack,
 }
 
-impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
+impl<I: Iterator<Item = (u32, PhotonIndex)>, G: Log> Task for Wave<'_, '_, I, G> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Wave { rules, world, indices, mut photons, log, stack } = self;
-        let mut from_lamps = photons.len == 0;
-        let mut stream = Stream::default();
+        let Wave { rules, world, indices, mut under_way, log, stack } = self;
+        let (mut photons, mut stream) = (Flock::default(), Stream::default());
         let starts = starts(rules, indices);
         photons.emit_all(l, rules, world, &starts, &neighbours(&starts), log);
+        let mut from_lamps = photons.len > 0;
+        if !from_lamps {
+            photons.join(&mut under_way);
+        }
         let mut going = Flock::default();
         let (mut met, mut landings): (Vec<Option<Hit>>, Vec<Landing>) =
             (Vec::with_capacity(photons.len), Vec::with_capacity(photons.eights().len()));
@@ -128,6 +131,7 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
             for places in places[..lives].chunks(LANES) {
                 going.leave(l, rules, world.reach().step_back(), &photons, (&met, &landings), places);
             }
+            going.join(&mut under_way);
             std::mem::swap(&mut photons, &mut going);
         }
     }
@@ -135,18 +139,24 @@ impl<I: Iterator<Item = PhotonIndex>, G: Log> Task for Wave<'_, '_, I, G> {
 
 /// Traces photons through `world`. A few thousand at once do best.
 pub fn trace_each(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
-    trace_apart(rules, world, indices, &mut Together(record));
+    trace_apart(rules, world, (0..).zip(indices), &[], &mut Together(record));
 }
 
 /// As [`trace_each`], to the bit, with the instructions that every processor has: to compare.
 pub fn trace_each_portably(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, record: &mut impl Record) {
     let log = &mut Together(record);
-    STACK.with_borrow_mut(|stack| Wave { rules, world, indices, photons: Flock::default(), log, stack }.run(Portable));
+    STACK.with_borrow_mut(|stack| Wave { rules, world, indices: (0..).zip(indices), under_way: &[], log, stack }.run(Portable));
 }
 
-/// Traces photons through `world`, numbered from 0.
-pub fn trace_apart(rules: &Rules, world: &World, indices: impl Iterator<Item = PhotonIndex>, log: &mut impl Log) {
-    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, photons: Flock::default(), log, stack }));
+/// Traces photons through `world`, from their lamps and from where they are, each with its number.
+pub fn trace_apart<'w>(
+    rules: &Rules,
+    world: &'w World,
+    indices: impl Iterator<Item = (u32, PhotonIndex)>,
+    under_way: &[(u32, Photon<'w>)],
+    log: &mut impl Log,
+) {
+    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices, under_way, log, stack }));
 }
 
 /// Photons as they leave their lamps; none where there are no lamps.
@@ -171,7 +181,7 @@ impl<'w, I: Iterator<Item = PhotonIndex>> Task for Leaving<'_, 'w, I> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Vec<Photon<'w>> {
         let mut photons = Flock::default();
-        let starts = starts(self.rules, self.indices);
+        let starts = starts(self.rules, (0..).zip(self.indices));
         let in_turn: Vec<u32> = (0..starts.len() as u32).collect();
         photons.emit_all(l, self.rules, self.world, &starts, &in_turn, &mut Nobody);
         (0..photons.len).map(|place| photons.eights()[place / LANES].photon(place % LANES)).collect()
@@ -181,13 +191,6 @@ impl<'w, I: Iterator<Item = PhotonIndex>> Task for Leaving<'_, 'w, I> {
 /// Photons as they leave their lamps; none where there are no lamps. In less time than one by one.
 pub fn emit_each<'w>(rules: &Rules, world: &'w World, indices: impl Iterator<Item = PhotonIndex>) -> Vec<Photon<'w>> {
     widest(Leaving { rules, world, indices })
-}
-
-/// Traces photons that are under way to their ends.
-pub fn follow_apart<'w>(rules: &Rules, world: &'w World, under_way: &[(u32, Photon<'w>)], log: &mut impl Log) {
-    let mut photons = Flock::default();
-    under_way.iter().for_each(|(number, photon)| photons.push(*number, photon));
-    STACK.with_borrow_mut(|stack| widest(Wave { rules, world, indices: std::iter::empty(), photons, log, stack }));
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::{
     chunk::{Chunk, Entry, Loose},
     held::{Held, Past, WorldNumber},
     in_chunk,
-    replay::{Clerk, Drafts, Passage, Recorded, Recorder},
+    replay::{Clerk, Drafts, Onward, Passage, Recorded, Recorder},
     scan::Marks,
 };
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
     pool::PhotonIndex,
     record::{Outcome, book},
     shooting::{CLASSES, Work},
-    wave::{emit_each, follow_apart},
+    wave::{emit_each, trace_apart},
 };
 use rayon::prelude::*;
 use std::{cell::RefCell, ops::Range};
@@ -30,7 +30,7 @@ pub struct Mended {
 }
 
 /// Marked photons from which on a step takes no more chunks, at least and at most. More: more for threads to share; fewer: a shorter step.
-const STEP: [u32; 2] = [1024, 2048];
+const STEP: [u32; 2] = [1024, 4096];
 
 /// Of what is outstanding a step takes this part, so that small repairs, too, can be followed.
 const STEPS: u64 = 8;
@@ -41,7 +41,7 @@ const SWEEP: u32 = 64;
 /// Marked photons from which on chunks are repaired together: their new paths are traced side by side ([`crate::wave`]), and those of one
 /// chunk are few after a small edit.
 /// At least so many, at most so many; between them a share for every thread.
-const TOGETHER: [u32; 2] = [256, 1024];
+const TOGETHER: [u32; 2] = [256, 2048];
 
 /// What repairing some chunks brings.
 struct Repair {
@@ -215,31 +215,37 @@ impl LedgerSolution {
             }
         }
 
-        let leaving = emit_each(&self.rules, &self.world, marked.iter().map(|one| one.index));
+        let recorded = |one: &Marked| Recorded { entries: &entries[one.path.clone()], triangles: &triangles[one.path.clone()] };
+        let (fresh, known): (Vec<u32>, Vec<u32>) = (0..marked.len() as u32).partition(|draft| {
+            let one = &marked[*draft as usize];
+            passages[one.passage].1.is_new(one.index, one.lamp)
+        });
         drafts.clear(marked.len());
-        let (mut onward, mut parted) = (Vec::with_capacity(marked.len()), Vec::with_capacity(marked.len()));
-        for (draft, one) in marked.iter().enumerate() {
-            let path = Recorded { entries: &entries[one.path.clone()], triangles: &triangles[one.path.clone()] };
-            let (_, passage) = &passages[one.passage];
-            let mending = passage.repair(
-                one.index,
-                leaving.get(draft).copied(),
-                one.lamp,
-                path,
-                &mut old,
-                &mut new,
-                &mut drafts.paths[draft],
-            );
-            if mending.parts {
-                drafts.lamps[draft] = mending.lamp;
-                parted.push(draft);
-            }
-            onward.extend(mending.onward.map(|going| (draft as u32, going)));
-            mended.replayed += mending.replayed;
-            mended.photons.push(one.index);
+        let (mut anew, mut onward, mut parts) =
+            (Vec::with_capacity(fresh.len()), Vec::with_capacity(known.len()), vec![true; marked.len()]);
+        for draft in fresh {
+            let one = &marked[draft as usize];
+            mended.replayed += passages[one.passage].1.forget(one.index, one.lamp, recorded(one), &mut old);
+            anew.push((draft, one.index));
         }
+        let mut leaving =
+            emit_each(&self.rules, &self.world, known.iter().map(|draft| marked[*draft as usize].index)).into_iter();
+        for draft in known {
+            let (one, path) = (&marked[draft as usize], &mut drafts.paths[draft as usize]);
+            drafts.lamps[draft as usize] = one.lamp;
+            let (goes, replayed) = passages[one.passage].1.repair(leaving.next(), recorded(one), &mut old, &mut new, path);
+            mended.replayed += replayed;
+            match goes {
+                Onward::Stays => parts[draft as usize] = false,
+                Onward::Ends => {}
+                Onward::Anew => anew.push((draft, one.index)),
+                Onward::From(photon) => onward.push((draft, photon)),
+            }
+        }
+        mended.photons.extend(marked.iter().map(|one| one.index));
         let recorder = Recorder { numbers: &self.numbers, grid: &self.grid };
-        follow_apart(&self.rules, &self.world, &onward, &mut Clerk { recorder, drafts, outcome: &mut new });
+        trace_apart(&self.rules, &self.world, anew.into_iter(), &onward, &mut Clerk { recorder, drafts, outcome: &mut new });
+        let parted: Vec<usize> = (0..marked.len()).filter(|draft| parts[*draft]).collect();
         mended.work = Work { photons: parted.len() as u64, rays: new.rays };
 
         let rewrite = |drafts_of_chunk: &[usize]| {

@@ -158,45 +158,54 @@ pub struct Passage<'a> {
     pub recorder: Recorder<'a>,
 }
 
-/// What a photon's repair comes to.
+/// From where a photon's path is to be traced.
 #[derive(Debug, Clone, Copy)]
-pub struct Mending<'a> {
-    /// The photon where its known path ends, if it goes on.
-    pub onward: Option<Photon<'a>>,
-    /// Whether its paths part; if not its record stays.
-    pub parts: bool,
-    /// The number of its lamp now.
-    pub lamp: u16,
-    /// Recorded hits that were replayed.
-    pub replayed: u64,
+pub enum Onward<'a> {
+    /// From nowhere: its record is right.
+    Stays,
+    /// Its new path is known to its end.
+    Ends,
+    /// From its lamp.
+    Anew,
+    /// From where its known path ends.
+    From(Photon<'a>),
 }
 
 impl<'a> Passage<'a> {
-    /// Repairs one photon, who is `leaving` its lamp, up to where its new path must be traced: what its old path leaves goes to `old`, what the new one leaves at the
-    /// first hit that differs to `new`, the path so far to `path`.
+    /// Whether nothing of a recorded path is left: its photon leaves another lamp, or one that changed.
+    pub fn is_new(&self, index: PhotonIndex, was_lamp: u16) -> bool {
+        let leaves =
+            || self.after.choice().choose(self.rules.sequence.value(index.0, 0)).map_or(NO_LAMP, |(lamp, _)| lamp as u16);
+        let lamp = if self.changed.choice { leaves() } else { was_lamp };
+        lamp != was_lamp || self.changed.lamps.contains(&usize::from(lamp))
+    }
+
+    /// Takes back all that a photon left; how many of its hits were replayed.
+    pub fn forget(&self, index: PhotonIndex, was_lamp: u16, recorded: Recorded<'_, 'a>, old: &mut Outcome) -> u64 {
+        if was_lamp == NO_LAMP {
+            return 0;
+        }
+        let brought = Brought::from_lamp(self.rules, self.before, was_lamp);
+        let left = || Photon::emit(self.rules, self.before, index).expect("its lamp is recorded");
+        self.take_back(brought, left, recorded, 0, old)
+    }
+
+    /// Repairs one photon that is not [new](Self::is_new), who is `leaving` its lamp, up to where its new path must be traced: what its old path leaves goes to
+    /// `old`, what the new one leaves at the first hit that differs to `new`, the path so far to `path`. How many recorded hits were replayed.
     pub fn repair(
         &self,
-        index: PhotonIndex,
         leaving: Option<Photon<'a>>,
-        was_lamp: u16,
         recorded: Recorded<'_, 'a>,
         old: &mut Outcome,
         new: &mut Outcome,
         path: &mut Vec<Entry>,
-    ) -> Mending<'a> {
-        path.clear();
-        let lamp = leaving.as_ref().map_or(NO_LAMP, |photon| photon.lamp() as u16);
-        let alike = lamp == was_lamp
-            && !self.changed.lamps.contains(&usize::from(lamp))
-            && (!self.changed.choice || self.leaves_alike(index, &leaving));
-        if !alike {
-            let mut replayed = 0;
-            if was_lamp != NO_LAMP {
-                let brought = Brought::from_lamp(self.rules, self.before, was_lamp);
-                let left = || Photon::emit(self.rules, self.before, index).expect("its lamp is recorded");
-                replayed = self.take_back(brought, left, recorded, 0, old);
-            }
-            return Mending { onward: leaving, parts: true, lamp, replayed };
+    ) -> (Onward<'a>, u64) {
+        if let Some(photon) = &leaving
+            && self.changed.choice
+            && !self.leaves_alike(photon)
+        {
+            let replayed = self.forget(photon.index(), photon.lamp() as u16, recorded, old);
+            return (Onward::Anew, replayed);
         }
         let mut photon = leaving;
         for (k, recorded_triangle) in recorded.triangles.iter().copied().enumerate() {
@@ -204,7 +213,7 @@ impl<'a> Passage<'a> {
             if recorded_triangle.is_some_and(|triangle| self.moved_out.binary_search(&triangle.object()).is_ok()) {
                 let replayed = self.take_back(here.brings(), || here, recorded, k, old);
                 path.extend_from_slice(&recorded.entries[..k]);
-                return Mending { onward: Some(here), parts: true, lamp, replayed: k as u64 + replayed };
+                return (Onward::From(here), k as u64 + replayed);
             }
             let was = recorded_triangle.map(|triangle| met(here.ray(), triangle));
             let now = self.moved_in.nearest(here.ray(), was);
@@ -221,18 +230,14 @@ impl<'a> Passage<'a> {
             let replayed = self.take_back(here.brings(), || here, recorded, k, old);
             path.extend_from_slice(&recorded.entries[..k]);
             let onward = self.recorder.step(here, self.rules, self.after, now, new, path);
-            return Mending { onward, parts: true, lamp, replayed: hits + replayed };
+            return (onward.map_or(Onward::Ends, Onward::From), hits + replayed);
         }
-        let hits = recorded.triangles.iter().flatten().count() as u64;
-        Mending { onward: None, parts: false, lamp, replayed: hits }
+        (Onward::Stays, recorded.triangles.iter().flatten().count() as u64)
     }
 
-    /// Whether a photon left the same lamp on the same ray.
-    fn leaves_alike(&self, index: PhotonIndex, leaving: &Option<Photon>) -> bool {
-        match (Photon::emit(self.rules, self.before, index), leaving) {
-            (Some(left), Some(leaving)) => left.leaves_like(leaving),
-            (left, leaving) => left.is_none() && leaving.is_none(),
-        }
+    /// Whether a photon left its lamp on the same ray.
+    fn leaves_alike(&self, leaving: &Photon) -> bool {
+        Photon::emit(self.rules, self.before, leaving.index()).is_some_and(|left| left.leaves_like(leaving))
     }
 
     /// The triangle of an entry where it was recorded; `None` if the path escaped.

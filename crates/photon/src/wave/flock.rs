@@ -160,11 +160,11 @@ pub struct Start {
     u: [f64; 2],
 }
 
-/// Photons, numbered from 0.
-pub fn starts(rules: &Rules, indices: impl Iterator<Item = PhotonIndex>) -> Vec<Start> {
+/// Photons with their numbers.
+pub fn starts(rules: &Rules, indices: impl Iterator<Item = (u32, PhotonIndex)>) -> Vec<Start> {
     let start =
         |(number, index): (u32, PhotonIndex)| Start { number, index, u: [0, 1].map(|d| rules.sequence.value(index.0, d)) };
-    (0..).zip(indices).map(start).collect()
+    indices.map(start).collect()
 }
 
 /// The most columns among which photons are sorted, and the rows.
@@ -246,8 +246,13 @@ impl<'w> Flock<'w> {
         (self.len - n * LANES).min(LANES)
     }
 
+    /// Adds photons and leaves none.
+    pub fn join(&mut self, others: &mut &[(u32, Photon<'w>)]) {
+        std::mem::take(others).iter().for_each(|(number, photon)| self.push(*number, photon));
+    }
+
     /// Adds a photon.
-    pub fn push(&mut self, number: u32, photon: &Photon<'w>) {
+    fn push(&mut self, number: u32, photon: &Photon<'w>) {
         let k = self.len % LANES;
         let (eight, ray, Brought { lamp, throughput, counts }) = (self.next(), photon.ray(), photon.brings());
         (eight.numbers[k], eight.indices[k], eight.hits[k]) = (number, photon.index(), photon.hits());

@@ -34,7 +34,7 @@ fn old_light_from_the_record_is_that_which_was_left() {
                 let (mut left, mut drafts) = (Outcome::new(lamps, false), Drafts::default());
                 drafts.clear(1);
                 let clerk = &mut Clerk { recorder, drafts: &mut drafts, outcome: &mut left };
-                trace_apart(&rules, &world, std::iter::once(index), clerk);
+                trace_apart(&rules, &world, std::iter::once((0, index)), &[], clerk);
                 let (lamp, path) = (drafts.lamps[0], &drafts.paths[0]);
                 let triangles: Vec<_> = path.iter().map(|entry| passage.triangle(entry)).collect();
                 let recorded = Recorded { entries: path, triangles: &triangles };
