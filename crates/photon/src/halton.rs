@@ -167,11 +167,22 @@ impl Sequence {
     /// Number `dimension` of photon `index`, in [0, 1).
     #[inline(always)]
     pub fn value(&self, index: u64, dimension: usize) -> f64 {
-        if dimension < DIMENSIONS {
+        let [numerator, denominator] = self.fraction(index, dimension);
+        numerator / denominator
+    }
+
+    /// [`value`](Self::value) as a fraction: several can then be divided at once.
+    #[inline(always)]
+    pub fn fraction(&self, index: u64, dimension: usize) -> [f64; 2] {
+        let [numerator, denominator] = if dimension < DIMENSIONS {
             let copy = (index & ((1 << self.shift) - 1)) as usize;
-            return self.inverses[copy * DIMENSIONS + dimension].value(index >> self.shift);
-        }
-        (mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64 / (1u64 << 53) as f64
+            let inverse = &self.inverses[copy * DIMENSIONS + dimension];
+            [inverse.numerator(index >> self.shift), inverse.denominator]
+        } else {
+            [mix(mix(index ^ self.padding) ^ dimension as u64) >> 11, 1 << 53]
+        };
+        // At most 2⁵³; converting signed numbers is one instruction.
+        [numerator as i64 as f64, denominator as i64 as f64]
     }
 }
 

@@ -94,6 +94,8 @@ pub trait Lanes: Arithmetic {
     fn load(self, from: &[f32; LANES]) -> Self::Numbers;
     /// Doubles from memory.
     fn load_doubles(self, from: &[f64; LANES]) -> Self::Doubles;
+    /// Doubles to memory.
+    fn store_doubles(self, x: Self::Doubles) -> [f64; LANES];
     /// To memory.
     fn store(self, x: Self::Numbers) -> [f32; LANES];
     /// Whether whole numbers in memory are among the `count` ones from `first` on; `count` is at least 1.

@@ -32,7 +32,7 @@ use crate::{
     wave::trace_apart,
     world::World,
 };
-use chunk::{Loose, PHOTONS};
+use chunk::{Chunk, PHOTONS};
 use grid::Grid;
 use held::{Held, Past, WorldNumber};
 use numbers::Numbers;
@@ -208,7 +208,7 @@ impl LedgerSolution {
         let waves = first / SIDE_BY_SIDE..(first + classes.max(1) as u64).min(CLASSES).div_ceil(SIDE_BY_SIDE);
         let shot: Vec<(Outcome, Vec<Held>)> = waves
             .into_par_iter()
-            .map_init(<(Loose, Drafts)>::default, |(loose, drafts), wave| {
+            .map_init(Drafts::default, |drafts, wave| {
                 let mut outcome = Outcome::new(lamps, false);
                 let chunks = || {
                     (wave * SIDE_BY_SIDE..(wave + 1) * SIDE_BY_SIDE)
@@ -219,12 +219,10 @@ impl LedgerSolution {
                 trace_apart(&self.rules, world, (0..).zip(chunks().flatten()), &[], clerk);
                 let mut next = 0;
                 let mut held = |photons: usize| {
-                    loose.clear(photons);
-                    for photon in 0..photons {
-                        loose.set(photon as u8, drafts.lamps[next + photon], &drafts.paths[next + photon]);
-                    }
-                    next += photons;
-                    Held { chunk: loose.store(), right_in: newest, marked: Vec::new() }
+                    let own = next..next + photons;
+                    next = own.end;
+                    let chunk = Chunk::new(&drafts.lamps[own.clone()], &drafts.paths[own]);
+                    Held { chunk, right_in: newest, marked: Vec::new() }
                 };
                 let held = chunks().map(|photons| held(photons.count())).collect();
                 (outcome, held)

@@ -174,6 +174,15 @@ impl Lanes for Avx2 {
         Doubles(low, high)
     }
     #[inline(always)]
+    fn store_doubles(self, x: Doubles) -> [f64; LANES] {
+        let mut to = [0.0; LANES];
+        intrinsic!({
+            _mm256_storeu_pd(to.as_mut_ptr(), x.0);
+            _mm256_storeu_pd(to.as_mut_ptr().add(LANES / 2), x.1);
+        });
+        to
+    }
+    #[inline(always)]
     fn store(self, x: __m256) -> [f32; LANES] {
         let mut to = [0.0; LANES];
         intrinsic!(_mm256_storeu_ps(to.as_mut_ptr(), x));

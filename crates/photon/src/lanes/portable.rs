@@ -133,6 +133,10 @@ impl Lanes for Portable {
         Doubles(*from)
     }
     #[inline(always)]
+    fn store_doubles(self, x: Doubles) -> [f64; LANES] {
+        x.0
+    }
+    #[inline(always)]
     fn store(self, x: [f32; LANES]) -> [f32; LANES] {
         x
     }

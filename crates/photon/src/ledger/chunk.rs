@@ -45,6 +45,50 @@ pub struct Level<'a> {
 }
 
 impl Chunk {
+    /// Lays paths out, each with its lamp.
+    pub fn new(lamps: &[u16], paths: &[Vec<Entry>]) -> Chunk {
+        let longest = paths.iter().map(Vec::len).max().unwrap_or(0);
+        // How many are longer than their index says: at first, as long as it says.
+        let mut levels = vec![0u16; longest + 1];
+        paths.iter().for_each(|path| levels[path.len()] += 1);
+        let mut longer = 0;
+        for count in levels.iter_mut().rev() {
+            longer += std::mem::replace(count, longer);
+        }
+        let mut starts = Vec::with_capacity(longest);
+        let mut entries = 0;
+        for reaching in &levels[..longest] {
+            starts.push(entries);
+            entries += usize::from(*reaching);
+        }
+        let mut ranks = levels.clone();
+        let mut chunk = Chunk {
+            order: vec![0; paths.len()].into(),
+            lamps: vec![NO_LAMP; paths.len()].into(),
+            levels: levels[..longest].into(),
+            places: vec![0; 3 * entries].into(),
+            elements: vec![0; entries].into(),
+        };
+        for (photon, (path, lamp)) in paths.iter().zip(lamps).enumerate() {
+            let rank = usize::from(ranks[path.len()]);
+            ranks[path.len()] += 1;
+            (chunk.order[rank], chunk.lamps[rank]) = (photon as u8, *lamp);
+            for (start, entry) in starts.iter().zip(path) {
+                let at = start + rank;
+                for axis in 0..3 {
+                    chunk.places[axis * entries + at] = entry.place[axis];
+                }
+                chunk.elements[at] = entry.element;
+            }
+        }
+        if let [lamp, others @ ..] = lamps
+            && others.iter().all(|other| other == lamp)
+        {
+            chunk.lamps = [*lamp].into();
+        }
+        chunk
+    }
+
     /// The lamp of each rank, or one for all.
     pub fn lamps(&self) -> &[u16] {
         &self.lamps
@@ -121,15 +165,7 @@ pub struct Loose {
 struct Row([[u16; PHOTONS]; 3], [u32; PHOTONS]);
 
 impl Loose {
-    /// Begins anew with so many photons that have no paths yet.
-    pub fn clear(&mut self, photons: usize) {
-        self.order = (0..photons).map(|photon| photon as u8).collect();
-        self.rank_of = self.order.clone();
-        self.lamps = vec![NO_LAMP; photons];
-        self.reaching.clear();
-    }
-
-    /// Begins anew with the paths of a chunk.
+    /// Begins with the paths of a chunk.
     pub fn load(&mut self, chunk: &Chunk) {
         self.order.clear();
         self.order.extend_from_slice(&chunk.order);
@@ -249,10 +285,8 @@ mod tests {
     fn paths_come_back_as_they_were_and_changed_ones_as_if_laid_out_anew() {
         for photons in [0u64, 1, 5, 256] {
             let mut paths: Vec<_> = (0..photons).map(path).collect();
-            let mut loose = Loose::default();
-            loose.clear(photons as usize);
-            (0..photons).for_each(|photon| loose.set(photon as u8, paths[photon as usize].0, &paths[photon as usize].1));
-            let mut chunk = loose.store();
+            let (lamps, all): (Vec<u16>, Vec<Vec<Entry>>) = paths.iter().cloned().unzip();
+            let (mut chunk, mut loose) = (Chunk::new(&lamps, &all), Loose::default());
             for round in 0..20 {
                 check(&chunk, &paths);
                 loose.load(&chunk);

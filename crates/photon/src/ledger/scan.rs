@@ -320,11 +320,7 @@ impl<L: Lanes> Segments<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        hash::mix,
-        lanes::Portable,
-        ledger::chunk::{Entry, Loose},
-    };
+    use crate::{hash::mix, lanes::Portable, ledger::chunk::Entry};
     use glam::Vec3;
 
     /// Segments in a box of 6 × 4 × 3 metres, stored and as they are.
@@ -386,18 +382,15 @@ mod tests {
             let photons = [0, 1, 7, 8, 9, 255, 256][(seed % 7) as usize];
             let lamp = |photon: u64| if seed % 3 == 0 { 1 } else { (number(photon) % 3) as u16 };
             let mut paths: Vec<Vec<Entry>> = Vec::new();
-            let mut loose = Loose::default();
-            loose.clear(photons);
             for photon in 0..photons as u64 {
                 let entry = |hit: u64| {
                     let n = 10_000 + photon * 100 + hit * 10;
                     let element = if number(n) % 9 == 0 { ESCAPED } else { (number(n) % 2000) as u32 };
                     Entry { place: grid.place(point(n)), element }
                 };
-                let path: Vec<_> = (0..number(photon + 500) % 9).map(entry).collect();
-                loose.set(photon as u8, lamp(photon), &path);
-                paths.push(path);
+                paths.push((0..number(photon + 500) % 9).map(entry).collect());
             }
+            let lamps: Vec<u16> = (0..photons as u64).map(lamp).collect();
             let corners = (0..seed % 23).map(|n| [point(n * 9), point(n * 9) + 0.3]);
             let boxes: Vec<_> = corners.clone().filter_map(|corners| grid.cuboid(corners, 0.0).0).collect();
             let origins = (0..2).map(|lamp| grid.place(point(77 + lamp))).collect();
@@ -411,7 +404,7 @@ mod tests {
                 beyond,
                 origins,
             };
-            let chunk = loose.store();
+            let chunk = Chunk::new(&lamps, &paths);
             let marks = suspicion.marks(&chunk);
             if !suspicion.all {
                 assert_eq!(marks, Looking { suspicion: &suspicion, chunk: &chunk }.run(Portable));

@@ -101,7 +101,7 @@ impl<'w> Eight<'w> {
         let back = l.less(l.splat(0.0), dots(l, [x, y, z], l.load_vectors(&self.direction)));
         let facing = [l.choose(back, l.negative(x), x), l.choose(back, l.negative(y), y), l.choose(back, l.negative(z), z)];
         let back = l.bits(back);
-        let mut u = [1.0; LANES];
+        let (mut u, mut of) = ([1.0; LANES], [1.0; LANES]);
         for (k, hit) in met.iter().enumerate() {
             let Some(hit) = hit else {
                 log.missed(self.numbers[k], &self.ray(k));
@@ -110,7 +110,7 @@ impl<'w> Eight<'w> {
             let side = (back >> k & 1) as u8;
             log.of(self.numbers[k]).hit(hit, side, lane(&self.throughput, k).into(), self.lamps[k], self.counts[k], world);
             set_lane(&mut reflected, k, reflectance(world, hit).to_array());
-            u[k] = rules.sequence.value(self.indices[k].0, 2 + 2 * self.hits[k] as usize);
+            [u[k], of[k]] = rules.sequence.fraction(self.indices[k].0, 2 + 2 * self.hits[k] as usize);
         }
         let [red, green, blue] = l.load_vectors(&reflected);
         let survival = l.max(red, l.max(green, blue));
@@ -118,12 +118,17 @@ impl<'w> Eight<'w> {
         let throughput =
             [l.mul(of_red, l.div(red, survival)), l.mul(of_green, l.div(green, survival)), l.mul(of_blue, l.div(blue, survival))];
         let survival = l.store(survival);
+        let mut chances = [0.0; LANES];
+        for k in 0..LANES {
+            chances[k] = f64::from(survival[k]);
+        }
+        let numbers = l.load_doubles(&u) / l.load_doubles(&of);
+        let (numbers, remapped) = (l.store_doubles(numbers), l.store_doubles(numbers / l.load_doubles(&chances)));
         let mut going = 0;
         for k in 0..met.len() {
-            let (survives, spent) = (u[k] < f64::from(survival[k]), self.hits[k] + 1 == LONGEST_PATH);
+            let (survives, spent) = (numbers[k] < chances[k], self.hits[k] + 1 == LONGEST_PATH);
             going |= u32::from(survives & !spent) << k;
-            let remapped = (u[k] / f64::from(survival[k])).min(1.0f64.next_down());
-            u[k] = if survives { remapped } else { 1.0 };
+            u[k] = if survives { remapped[k].min(1.0f64.next_down()) } else { 1.0 };
         }
         (Landing { throughput: l.store_vectors(throughput), u, facing: l.store_vectors(facing) }, going)
     }
@@ -181,23 +186,25 @@ pub fn neighbours(starts: &[Start]) -> Vec<u32> {
     }
     // Eight of them then leave from about a square.
     let columns = (starts.len() / 16).isqrt().clamp(1, GRID[0]);
-    let scale = [columns, GRID[1]].map(|cells| cells as f64 * (1.0 - 1e-9));
-    let place = |start: &Start| {
-        let [column, row] =
-            [0, 1].map(|d| (((start.u[d] - low[d]) / (high[d] - low[d]).max(f64::MIN_POSITIVE)) * scale[d]) as usize);
-        column % GRID[0] * GRID[1] + row % GRID[1]
-    };
+    let mut scale = [columns, GRID[1]].map(|cells| cells as f64 * (1.0 - 1e-9));
+    for d in 0..2 {
+        scale[d] /= (high[d] - low[d]).max(f64::MIN_POSITIVE);
+    }
     let mut before = [0u32; GRID[0] * GRID[1]];
+    let mut places = Vec::with_capacity(starts.len());
     for start in starts {
-        before[place(start)] += 1;
+        let [column, row] = [0, 1].map(|d| ((start.u[d] - low[d]) * scale[d]) as usize);
+        let place = column % GRID[0] * GRID[1] + row % GRID[1];
+        before[place] += 1;
+        places.push(place as u16);
     }
     let mut sum = 0;
     for count in &mut before {
         sum += std::mem::replace(count, sum);
     }
     let mut order = vec![0; starts.len()];
-    for (n, start) in (0..).zip(starts) {
-        let place = &mut before[place(start)];
+    for (n, place) in (0..).zip(places) {
+        let place = &mut before[usize::from(place)];
         order[*place as usize] = n;
         *place += 1;
     }
@@ -332,7 +339,7 @@ impl<'w> Flock<'w> {
         places: &[u32],
     ) {
         let eight = self.next();
-        let (mut u, mut v, mut distance) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut u, mut v, mut of, mut distance) = ([0.0; LANES], [0.0; LANES], [1.0; LANES], [0.0; LANES]);
         let [mut facing, mut along, mut weights] = [[[0.0; LANES]; 3]; 3];
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (k, place) in places.iter().map(|place| *place as usize).enumerate() {
@@ -348,10 +355,10 @@ impl<'w> Flock<'w> {
             corners.iter_mut().zip(&hit.triangle.corners).for_each(|(to, corner)| set_lane(to, k, corner.to_array()));
             distance[k] = hit.distance;
             u[k] = landing.u[j];
-            v[k] = rules.sequence.value(was.indices[j].0, 3 + 2 * was.hits[j] as usize);
+            [v[k], of[k]] = rules.sequence.fraction(was.indices[j].0, 3 + 2 * was.hits[j] as usize);
         }
         let (facing, along) = (l.load_vectors(&facing), l.load_vectors(&along));
-        let directions = cosine_hemispheres(l, facing, l.load_doubles(&u), l.load_doubles(&v));
+        let directions = cosine_hemispheres(l, facing, l.load_doubles(&u), l.load_doubles(&v) / l.load_doubles(&of));
         let corners = [l.load_vectors(&corners[0]), l.load_vectors(&corners[1]), l.load_vectors(&corners[2])];
         let points = points(l, corners, l.load_vectors(&weights));
         eight.origin = l.store_vectors(before(l, points, l.load(&distance), facing, along, step_back));
