@@ -5,7 +5,7 @@ use super::{
     dialogs::Dialog,
     panels,
     session::Selection,
-    tests::{Trial, start},
+    trial::{Trial, start},
 };
 use lightmend_photon::{path::FirstHits, solution::Solution};
 use lightmend_scene::{Edit, format};

@@ -26,6 +26,8 @@ mod report;
 mod session;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod trial;
 mod viewport;
 mod window;
 
