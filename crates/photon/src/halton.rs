@@ -109,8 +109,15 @@ impl RadicalInverse {
     /// Φ_b(i), correctly rounded, in [0, 1).
     #[inline(always)]
     pub fn value(&self, index: u64) -> f64 {
+        let [numerator, denominator] = self.fraction(index);
+        numerator / denominator
+    }
+
+    /// [`value`](Self::value) before it is divided.
+    #[inline(always)]
+    fn fraction(&self, index: u64) -> [f64; 2] {
         // Below 2⁵³; converting signed numbers is one instruction.
-        self.numerator(index) as i64 as f64 / self.denominator as i64 as f64
+        [self.numerator(index), self.denominator].map(|number| number as i64 as f64)
     }
 }
 
@@ -174,15 +181,11 @@ impl Sequence {
     /// [`value`](Self::value) as a fraction: several can then be divided at once.
     #[inline(always)]
     pub fn fraction(&self, index: u64, dimension: usize) -> [f64; 2] {
-        let [numerator, denominator] = if dimension < DIMENSIONS {
+        if dimension < DIMENSIONS {
             let copy = (index & ((1 << self.shift) - 1)) as usize;
-            let inverse = &self.inverses[copy * DIMENSIONS + dimension];
-            [inverse.numerator(index >> self.shift), inverse.denominator]
-        } else {
-            [mix(mix(index ^ self.padding) ^ dimension as u64) >> 11, 1 << 53]
-        };
-        // At most 2⁵³; converting signed numbers is one instruction.
-        [numerator as i64 as f64, denominator as i64 as f64]
+            return self.inverses[copy * DIMENSIONS + dimension].fraction(index >> self.shift);
+        }
+        [(mix(mix(index ^ self.padding) ^ dimension as u64) >> 11) as f64, (1u64 << 53) as f64]
     }
 }
 

@@ -109,15 +109,11 @@ impl Shooting {
         let (classes, lamps, world) = (classes(count), self.tallies.len(), &*self.world);
         // Added while other waves are traced, and while it is still in the processor's caches. There is room for all of the slab.
         let light = Mutex::new((&mut self.buckets, &mut self.tallies, &mut self.work.rays));
-        (0..classes as usize).into_par_iter().with_max_len(1).try_for_each(|class| {
+        (0..classes).into_par_iter().try_for_each(|class| {
             LEFT.with_borrow_mut(|outcome| {
                 outcome.clear(lamps);
-                trace_each(
-                    &self.rules,
-                    world,
-                    in_class(indices.clone(), class as u64, classes, self.rules.sequence.copies()),
-                    outcome,
-                );
+                let photons = in_class(indices.clone(), class, classes, self.rules.sequence.copies());
+                trace_each(&self.rules, world, photons, outcome);
                 let (buckets, tallies, rays) = &mut *light.lock().unwrap_or_else(PoisonError::into_inner);
                 **rays += outcome.rays;
                 book(once(&*outcome), buckets, tallies)

@@ -44,6 +44,12 @@ pub struct Level<'a> {
     pub elements: &'a [u32],
 }
 
+/// One lamp if all are it.
+fn one_or_all(lamps: &[u16]) -> Box<[u16]> {
+    let alike = lamps.iter().all(|lamp| *lamp == lamps[0]);
+    lamps[..if alike { lamps.len().min(1) } else { lamps.len() }].into()
+}
+
 impl Chunk {
     /// Lays paths out, each with its lamp.
     pub fn new(lamps: &[u16], paths: &[Vec<Entry>]) -> Chunk {
@@ -61,10 +67,10 @@ impl Chunk {
             starts.push(entries);
             entries += usize::from(*reaching);
         }
-        let mut ranks = levels.clone();
+        let (mut ranks, mut by_rank) = (levels.clone(), vec![NO_LAMP; paths.len()]);
         let mut chunk = Chunk {
             order: vec![0; paths.len()].into(),
-            lamps: vec![NO_LAMP; paths.len()].into(),
+            lamps: Box::default(),
             levels: levels[..longest].into(),
             places: vec![0; 3 * entries].into(),
             elements: vec![0; entries].into(),
@@ -72,7 +78,7 @@ impl Chunk {
         for (photon, (path, lamp)) in paths.iter().zip(lamps).enumerate() {
             let rank = usize::from(ranks[path.len()]);
             ranks[path.len()] += 1;
-            (chunk.order[rank], chunk.lamps[rank]) = (photon as u8, *lamp);
+            (chunk.order[rank], by_rank[rank]) = (photon as u8, *lamp);
             for (start, entry) in starts.iter().zip(path) {
                 let at = start + rank;
                 for axis in 0..3 {
@@ -81,11 +87,7 @@ impl Chunk {
                 chunk.elements[at] = entry.element;
             }
         }
-        if let [lamp, others @ ..] = lamps
-            && others.iter().all(|other| other == lamp)
-        {
-            chunk.lamps = [*lamp].into();
-        }
+        chunk.lamps = one_or_all(&by_rank);
         chunk
     }
 
@@ -195,10 +197,9 @@ impl Loose {
             rows().for_each(|(row, reaching)| places.extend_from_slice(&row.0[axis][..*reaching]));
         }
         rows().for_each(|(row, reaching)| elements.extend_from_slice(&row.1[..*reaching]));
-        let one_lamp = self.lamps.iter().all(|lamp| *lamp == self.lamps[0]);
         Chunk {
             order: self.order.as_slice().into(),
-            lamps: self.lamps[..if one_lamp { self.lamps.len().min(1) } else { self.lamps.len() }].into(),
+            lamps: one_or_all(&self.lamps),
             levels: self.reaching.iter().map(|reaching| *reaching as u16).collect(),
             places: places.into(),
             elements: elements.into(),

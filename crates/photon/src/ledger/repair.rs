@@ -216,24 +216,24 @@ impl LedgerSolution {
         }
 
         let recorded = |one: &Marked| Recorded { entries: &entries[one.path.clone()], triangles: &triangles[one.path.clone()] };
-        let (fresh, known): (Vec<u32>, Vec<u32>) = (0..marked.len() as u32).partition(|draft| {
-            let one = &marked[*draft as usize];
-            passages[one.passage].1.is_new(one.index, one.lamp)
-        });
+        let passage = |one: &Marked| &passages[one.passage].1;
         drafts.clear(marked.len());
-        let (mut anew, mut onward, mut parts) =
-            (Vec::with_capacity(fresh.len()), Vec::with_capacity(known.len()), vec![true; marked.len()]);
-        for draft in fresh {
-            let one = &marked[draft as usize];
-            mended.replayed += passages[one.passage].1.forget(one.index, one.lamp, recorded(one), &mut old);
-            anew.push((draft, one.index));
+        let (mut anew, mut known, mut onward) = (Vec::new(), Vec::<u32>::new(), Vec::new());
+        let mut parts = vec![true; marked.len()];
+        for (draft, one) in (0..).zip(&marked) {
+            if passage(one).is_new(one.index, one.lamp) {
+                mended.replayed += passage(one).forget(one.index, one.lamp, recorded(one), &mut old);
+                anew.push((draft, one.index));
+            } else {
+                known.push(draft);
+            }
         }
         let mut leaving =
             emit_each(&self.rules, &self.world, known.iter().map(|draft| marked[*draft as usize].index)).into_iter();
         for draft in known {
             let (one, path) = (&marked[draft as usize], &mut drafts.paths[draft as usize]);
             drafts.lamps[draft as usize] = one.lamp;
-            let (goes, replayed) = passages[one.passage].1.repair(leaving.next(), recorded(one), &mut old, &mut new, path);
+            let (goes, replayed) = passage(one).repair(leaving.next(), recorded(one), &mut old, &mut new, path);
             mended.replayed += replayed;
             match goes {
                 Onward::Stays => parts[draft as usize] = false,

@@ -32,9 +32,9 @@ impl Marks {
         }))
     }
 
-    /// Adds eight from `rank` on, a multiple of eight.
-    fn add(&mut self, rank: usize, eight: u32) {
-        self.0[rank / 64] |= u64::from(eight) << (rank % 64);
+    /// Adds up to eight from `rank` on, a multiple of eight, or one from anywhere: a bit each.
+    fn add(&mut self, rank: usize, bits: u32) {
+        self.0[rank / 64] |= u64::from(bits) << (rank % 64);
     }
 
     /// Whether a photon is among them.
@@ -185,8 +185,7 @@ impl Task for Looking<'_> {
                     let touched = Segments::new(l, l.load_vectors(&from), l.load_vectors(&to)).touch(suspicion);
                     let mut touched = l.bits(touched) & first(ranks.len());
                     while touched != 0 {
-                        let rank = usize::from(ranks[touched.trailing_zeros() as usize]);
-                        marks.0[rank / 64] |= 1 << (rank % 64);
+                        marks.add(usize::from(ranks[touched.trailing_zeros() as usize]), 1);
                         touched &= touched - 1;
                     }
                 }
@@ -228,7 +227,7 @@ impl Looking<'_> {
         let mut rows = [[0; PHOTONS]; 3];
         for (rank, lamp) in self.chunk.lamps().iter().enumerate() {
             let (suspected, place) = self.suspicion.of_lamp(*lamp);
-            marks.0[rank / 64] |= u64::from(suspected) << (rank % 64);
+            marks.add(rank, u32::from(suspected));
             for axis in 0..3 {
                 rows[axis][rank] = place[axis];
             }
