@@ -8,6 +8,7 @@
 //! [`MOST_DEPOSITS`], half of that; a slab adds at most 2³⁵ ([`crate::shooting::Shooting::shoot`]). The other half is for edits that brighten the scene.
 
 mod table;
+mod trend;
 
 use glam::Vec3;
 use lightmend_scene::Configuration;

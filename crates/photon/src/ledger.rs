@@ -238,6 +238,7 @@ impl LedgerSolution {
             let number = self.chunks.len() as u32;
             let Growing { outcomes, chunks } = std::mem::take(&mut self.growing);
             book(outcomes.iter(), &mut self.buckets, &mut self.tallies)?;
+            self.exchange = None;
             for held in chunks {
                 if held.right_in != newest {
                     self.unscanned += 1;
@@ -293,7 +294,6 @@ impl LedgerSolution {
         self.tallies.resize(self.tallies.len().max(world.configuration().lamp_slots()), Tally::default());
         self.world = world;
         self.visible.clear();
-        self.exchange = None;
         let surfaces = Arc::new(Surfaces::new(&self.world, self.pasts.values().last().map(|past| &*past.surfaces)));
         self.forget_unused_pasts();
         for past in self.pasts.values_mut() {
@@ -305,6 +305,10 @@ impl LedgerSolution {
         // What is right in a world without any difference is right in the newest, and what was marked there is right again.
         let like_newest: Vec<WorldNumber> =
             self.pasts.iter().filter(|(_, past)| past.since.changed.is_empty()).map(|(number, _)| *number).collect();
+        // What is wrong the other way round tells nothing.
+        let returns = like_newest.len() > 1 || self.outstanding == 0;
+        self.exchange =
+            self.exchange.take().filter(|_| !returns).and_then(|exchange| exchange.after_edit(&self.world, &self.numbers));
         (self.unscanned, self.outstanding) = (0, 0);
         for held in &mut self.chunks {
             if like_newest.binary_search(&held.right_in).is_ok() {
@@ -342,12 +346,16 @@ impl LedgerSolution {
             let scan = |held: &mut Held| {
                 let is_old = held.right_in != newest;
                 held.scan(pasts, newest);
-                if is_old { (1, held.photons() - u64::from(held.marks())) } else { (0, 0) }
+                let marks = u64::from(held.marks());
+                if is_old { (1, held.photons() - marks, marks) } else { (0, 0, 0) }
             };
-            let sum = |a: (usize, u64), b: (usize, u64)| (a.0 + b.0, a.1 + b.1);
-            let (scanned, right) = slice.par_iter_mut().with_min_len(64).map(scan).reduce(Default::default, sum);
+            let sum = |a: (usize, u64, u64), b: (usize, u64, u64)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
+            let (scanned, right, marked) = slice.par_iter_mut().with_min_len(64).map(scan).reduce(Default::default, sum);
             self.unscanned -= scanned;
             self.outstanding -= right;
+            if let Some(exchange) = &mut self.exchange {
+                exchange.scan(scanned as u64, marked);
+            }
             left -= end - self.scan_turn;
             self.scan_turn = end % self.chunks.len();
         }

@@ -3,7 +3,7 @@
 //! It sleeps while the light is exact and nothing changes.
 
 use super::{
-    recovery::{Recovery, Trace},
+    recovery::{REST, Recovery, Trace},
     session::Start,
 };
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
 };
 use lightmend_photon::{
     body::TreePreset,
+    bucket::Buckets,
     courtesy::give_way,
     irradiance::Scale,
     path::FirstHits,
@@ -254,17 +255,18 @@ impl<'a> Reader<'a> {
             false => Scale::new(world, snapshot.photons),
         };
         let lamps = world.configuration().lamp_slots().min(configuration.lamp_slots());
+        let expected = snapshot.expected();
         let indirect = match wanted.show {
             Show::Elements => Vec::new(),
             Show::Stale => match self.exact(wanted, snapshot.photons) {
                 Some(exact) => {
                     let right = (exact.buckets().clone(), Scale::new(exact.world(), exact.pool().photons()));
-                    self.light.outstanding(configuration, (&snapshot.buckets, &scale), (&right.0, &right.1), lamps)
+                    self.light.outstanding(configuration, (&expected, &scale), (&right.0, &right.1), lamps)
                 }
                 None => Vec::new(),
             },
             _ => {
-                let light = self.light.reconstruct(configuration, &snapshot.buckets, &scale, lamps);
+                let light = self.light.reconstruct(configuration, &expected, &scale, lamps);
                 // It changes slowly, and all elements are sorted for it.
                 if self.median_error.0.is_none_or(|at| at.elapsed() > Duration::from_millis(700) || snapshot.exact) {
                     self.median_error = (Some(Instant::now()), light.median_error());
@@ -273,14 +275,15 @@ impl<'a> Reader<'a> {
             }
         };
         let current = snapshot.edits >= wanted.edits;
-        let complete_for_the_eye = self.is_complete_for_the_eye(wanted.view, &snapshot);
-        let trace =
-            self.recovery.look(wanted.action, wanted.edited, current, complete_for_the_eye, wanted.view, &snapshot, &scale);
+        let complete_for_the_eye =
+            wanted.edited.elapsed() > REST && self.is_complete_for_the_eye(wanted.view, &snapshot, &expected);
+        let seen = (&snapshot, &expected, &scale);
+        let trace = self.recovery.look(wanted.action, wanted.edited, current, complete_for_the_eye, wanted.view, seen);
         Ready { snapshot, indirect, median_error: self.median_error.1, complete_for_the_eye, trace }
     }
 
     /// Whether what a repair will still bring will not be seen.
-    fn is_complete_for_the_eye(&mut self, view: View, snapshot: &Snapshot) -> bool {
+    fn is_complete_for_the_eye(&mut self, view: View, snapshot: &Snapshot, expected: &Buckets) -> bool {
         let Some(pending) = &snapshot.pending else {
             self.onlooker = None;
             return false;
@@ -289,7 +292,7 @@ impl<'a> Reader<'a> {
         let known = self.onlooker.take().filter(|(known, from, ..)| Arc::ptr_eq(known, world) && *from == view);
         let look = || (world.clone(), view, Onlooker::new(world, &view, &mut self.maskings), false);
         let (.., onlooker, foreseen) = self.onlooker.insert(known.unwrap_or_else(look));
-        let now = onlooker.shown(&mut self.light, world.configuration(), buckets, scale);
+        let now = onlooker.shown(&mut self.light, world.configuration(), expected, scale);
         let share = onlooker.foreseen(&mut self.light, world.configuration(), (buckets, &now, pending), scale);
         std::mem::replace(foreseen, share.is_some_and(|share| share <= TOLERATED_FORESEEN)) && *foreseen
     }

@@ -5,7 +5,7 @@
 //! (the RMS of irradiance over the camera's pixels). Before the light is exact nobody knows it: until then there are only the photons
 //! that are still to be re-shot.
 
-use lightmend_photon::{irradiance::Scale, solver::Snapshot, visible::Visible};
+use lightmend_photon::{bucket::Buckets, irradiance::Scale, solver::Snapshot, visible::Visible};
 use lightmend_scene::View;
 use std::{
     sync::Arc,
@@ -54,10 +54,10 @@ pub struct Recovery {
 }
 
 /// What the camera sees is looked up once edits rest: it costs as much as tens of thousands of rays.
-const REST: Duration = Duration::from_millis(60);
+pub const REST: Duration = Duration::from_millis(60);
 
 impl Recovery {
-    /// New light: of action number `action`, last edited at `edited`; `current` if it knows of that edit, `complete` if it is so for the eye.
+    /// New light, with what is shown of it: of action number `action`, last edited at `edited`; `current` if it knows of that edit, `complete` if it is so for the eye.
     pub fn look(
         &mut self,
         action: u64,
@@ -65,8 +65,7 @@ impl Recovery {
         current: bool,
         complete: bool,
         view: View,
-        snapshot: &Arc<Snapshot>,
-        scale: &Scale,
+        (snapshot, expected, scale): (&Arc<Snapshot>, &Buckets, &Scale),
     ) -> Trace {
         if action != self.action {
             self.action = action;
@@ -86,7 +85,7 @@ impl Recovery {
             self.trace.photons.push([seconds, outstanding]);
             if self.action > 0 && !shooting && (edited.elapsed() > REST || snapshot.exact) {
                 let visible = self.visible.get_or_insert_with(|| Visible::new(&snapshot.world, &view));
-                self.samples.push((seconds, visible.values(&snapshot.buckets, scale)));
+                self.samples.push((seconds, visible.values(expected, scale)));
             }
             self.trace.complete_after = (complete || snapshot.exact).then(|| self.trace.complete_after.unwrap_or(seconds));
             if snapshot.exact {

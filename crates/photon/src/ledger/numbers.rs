@@ -64,12 +64,17 @@ impl Numbers {
         Element { object, cell: element - self.first[object], side: (number & 1) as u8 }
     }
 
+    /// All numbers of an object: cell by cell, both sides.
+    pub fn of_object(&self, object: usize) -> Range<u32> {
+        let first = |object: usize| self.first.get(object).map_or(self.object_of.len() as u32 * RUN, |first| *first);
+        first(object) << 1..first(object + 1) << 1
+    }
+
     /// All numbers of these objects, joined where they follow one another; `objects` in order.
     pub fn of_objects(&self, objects: &[usize]) -> Vec<Range<u32>> {
         let mut found: Vec<Range<u32>> = Vec::new();
         for id in objects {
-            let end = self.first.get(id + 1).map_or(self.object_of.len() as u32 * RUN, |next| *next);
-            let numbers = self.first[*id] << 1..end << 1;
+            let numbers = self.of_object(*id);
             match found.last_mut() {
                 Some(last) if last.end == numbers.start => last.end = numbers.end,
                 _ => found.push(numbers),

@@ -48,6 +48,8 @@ struct Repair {
     old: Outcome,
     new: Outcome,
     mended: Mended,
+    /// The sum of the edits since the photons were last right.
+    edits: u64,
     /// New records of chunks in which a path changed.
     chunks: Vec<(usize, Chunk)>,
 }
@@ -93,7 +95,7 @@ impl LedgerSolution {
         let mut mended = Mended::default();
         for repair in repairs {
             if let Some(exchange) = &mut self.exchange {
-                exchange.count(&self.numbers, &repair.old, &repair.new, repair.mended.photons.len() as u64);
+                exchange.count(&self.numbers, &repair.old, &repair.new, repair.mended.photons.len() as u64, repair.edits);
             }
             mended.work += repair.mended.work;
             mended.replayed += repair.mended.replayed;
@@ -111,7 +113,7 @@ impl LedgerSolution {
             held.marked.clear();
         }
         if let Some(exchange) = &mut self.exchange {
-            exchange.turn(self.outstanding);
+            exchange.turn(self.outstanding, &self.numbers, &self.buckets);
         }
         Ok((!next.is_empty()).then_some(mended))
     }
@@ -124,6 +126,9 @@ impl LedgerSolution {
             let old: Vec<usize> = next.iter().copied().filter(|number| self.chunks[*number].right_in != self.newest).collect();
             let found: Vec<Marks> = old.par_iter().map(|number| self.chunks[*number].suspected(&self.pasts)).collect();
             for (number, marks) in old.iter().zip(found) {
+                if let Some(exchange) = &mut self.exchange {
+                    exchange.scan(1, marks.count().into());
+                }
                 let held = &mut self.chunks[*number];
                 held.mark(marks, &self.pasts, self.newest);
                 self.unscanned -= 1;
@@ -257,7 +262,8 @@ impl LedgerSolution {
             (number, loose.store())
         };
         let chunks = parted.chunk_by(|a, b| marked[*a].chunk == marked[*b].chunk).map(rewrite).collect();
-        Repair { old, new, mended, chunks }
+        let edits = marked.iter().map(|one| u64::from(self.newest - passages[one.passage].0)).sum();
+        Repair { old, new, mended, edits, chunks }
     }
 
     /// From a past world to the newest one.

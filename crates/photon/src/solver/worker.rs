@@ -32,9 +32,6 @@ const RECENT: Duration = Duration::from_millis(300);
 /// marked photons of a whole pool.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// What a repair brings is noted once the last edit is so old: under a drag nobody asks.
-const REST: Duration = Duration::from_millis(60);
-
 /// Edits may throw away one so-many-th of a pool during its first shooting. Higher: light of the old place is seen for longer; lower: more
 /// work is thrown away, and noise returns.
 const LITTLE: u64 = 8;
@@ -273,7 +270,7 @@ impl Worker<'_> {
         while start.elapsed() < controls.iteration {
             let moving = self.edited.is_some_and(|edited| edited.elapsed() < RECENT);
             let visible_first = match controls.order {
-                Order::Adaptive => !moving,
+                Order::Adaptive => !moving && !matches!(self.light, Light::Ledger(_)),
                 Order::Shuffled => false,
                 Order::Urgent => true,
             };
@@ -282,7 +279,7 @@ impl Worker<'_> {
                 Light::Groups(solution) if visible_first => solution.repair_next().map(|next| next.map(|repaired| repaired.work)),
                 Light::Groups(solution) => solution.repair_shuffled().map(|next| next.map(|repaired| repaired.work)),
                 Light::Ledger(ledger) => {
-                    if self.view.is_some() && self.edited.is_none_or(|edited| edited.elapsed() > REST) {
+                    if self.view.is_some() {
                         ledger.watch();
                     }
                     if visible_first && !ledger.scan(SCAN) {
