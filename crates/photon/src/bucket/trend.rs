@@ -61,7 +61,8 @@ fn go_on_in(pages: &mut [Page], cells: Range<usize>, events: &[u32], ratio: f64)
     let mut more = 0;
     follow(&blocks, &events[cells.clone()], ratio, 0..cells.len(), &TOGETHER, &none, &mut |page, cell, change| {
         let bucket = &mut pages[page].now[cells.start + cell];
-        let then = |now: i64, change: f64| (now + change.round() as i64).max(0);
+        // Rounded by hand: `round` is a call on processors before SSE 4.1.
+        let then = |now: i64, change: f64| (now + (change + 0.5f64.copysign(change)) as i64).max(0);
         let hits = then(bucket.hits, change[3]);
         more += hits - bucket.hits;
         *bucket = Bucket { energy: std::array::from_fn(|channel| then(bucket.energy[channel], change[channel])), hits };
@@ -101,38 +102,42 @@ fn follow(
 ) {
     let [size, finer @ ..] = together else { return };
     let mut own = Trend { shares: trend.shares.clone(), events: 0.0 };
+    // What comes by what came on the block itself, and the light that is there.
+    let mut changes = vec![[Light::default(); 2]; pages.len()];
     for start in cells.clone().step_by(*size) {
         let block = start..(start + size).min(cells.end);
         let (mut deviation, mut all, mut lit, mut hits) = (0.0, 0.0, 0.0, 0.0);
-        for ((share, trend), page) in own.shares.iter_mut().zip(&trend.shares).zip(pages) {
-            let mut sums = [Light::default(); 2];
+        for (((share, [own, now]), trend), page) in own.shares.iter_mut().zip(&mut changes).zip(&trend.shares).zip(pages) {
+            let mut was = Light::default();
+            *now = Light::default();
             for cell in &page[block.clone()] {
-                sums.iter_mut().zip(cell).for_each(|(sum, light)| (0..4).for_each(|k| sum[k] += light[k]));
+                for k in 0..4 {
+                    was[k] += cell[0][k];
+                    now[k] += cell[1][k];
+                }
             }
-            let [was, now] = sums;
             for k in 0..4 {
-                share[k] = if now[k] > 0.0 { ratio * (now[k] - was[k]) / now[k] } else { 0.0 };
+                own[k] = ratio * (now[k] - was[k]);
+                share[k] = trend[k] * now[k];
             }
-            (0..3).for_each(|k| deviation += (share[k] - trend[k]) * now[k]);
-            (all, lit) = (all + energy(&now) + energy(&was), lit + energy(&now));
-            hits += now[3] + was[3];
+            deviation += energy(own) - energy(share);
+            (all, lit, hits) = (all + energy(now) + energy(&was), lit + energy(now), hits + now[3] + was[3]);
         }
         let events_here: u32 = events[block.clone()].iter().sum();
         // Of so many events, all of the usual energy; where there were none, as many as there are with the neighbours.
         let expected = f64::from(events_here).max(trend.events * lit);
         let variance = expected * (ratio * all / f64::max(hits, 1.0)).powi(2);
         let certain = if deviation == 0.0 { 0.0 } else { (1.0 - SURE.powi(2) * variance / deviation.powi(2)).max(0.0) };
-        for (share, trend) in own.shares.iter_mut().zip(&trend.shares) {
-            for k in 0..4 {
-                share[k] = certain * share[k] + (1.0 - certain) * trend[k];
+        for (n, (share, [own, now])) in own.shares.iter_mut().zip(&changes).enumerate() {
+            let comes = std::array::from_fn(|k| share[k] + certain * (own[k] - share[k]));
+            if finer.is_empty() {
+                change(n, start, comes);
+            } else {
+                *share = std::array::from_fn(|k| if now[k] > 0.0 { comes[k] / now[k] } else { 0.0 });
             }
         }
-        own.events = f64::from(events_here) / lit.max(1.0);
-        if finer.is_empty() {
-            for (n, (share, page)) in own.shares.iter().zip(pages).enumerate() {
-                change(n, start, std::array::from_fn(|k| share[k] * page[start][1][k]));
-            }
-        } else {
+        if !finer.is_empty() {
+            own.events = f64::from(events_here) / lit.max(1.0);
             follow(pages, events, ratio, block, finer, &own, change);
         }
     }
