@@ -33,7 +33,9 @@ const BOTH: [u64; 2] = [0, 1 << 30];
 /// Whether `light` is to the bit that of a fresh solution of as many photons.
 fn is_that_of_a_fresh_solution(light: &Snapshot) -> bool {
     let world = Arc::new(World::new(light.configuration(), TreePreset::Fast));
-    light.exact && light.buckets == *shoot(pool(light.photons), &world, FirstHits::AsLampsSay).buckets()
+    light.exact
+        && light.expected() == light.buckets
+        && light.buckets == *shoot(pool(light.photons), &world, FirstHits::AsLampsSay).buckets()
 }
 
 fn settings(pool: Pool, ledger_bytes: u64, iteration: Duration) -> Settings {

@@ -207,6 +207,12 @@ impl Course {
         }
     }
 
+    /// What to show of the light so far: what is [expected](Pending::expected) of it where that is known.
+    pub fn expected(&self) -> Buckets {
+        let light = self.light();
+        self.pending().map_or_else(|| light.clone(), |pending| pending.expected(light))
+    }
+
     /// Photons that the light stems from: of the whole pool in a repair, of those shot so far otherwise.
     pub fn photons_shot(&self) -> u64 {
         match &self.way {

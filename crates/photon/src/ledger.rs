@@ -307,8 +307,8 @@ impl LedgerSolution {
             self.pasts.iter().filter(|(_, past)| past.since.changed.is_empty()).map(|(number, _)| *number).collect();
         // What is wrong the other way round tells nothing.
         let returns = like_newest.len() > 1 || self.outstanding == 0;
-        self.exchange =
-            self.exchange.take().filter(|_| !returns).and_then(|exchange| exchange.after_edit(&self.world, &self.numbers));
+        let told = self.exchange.take().filter(|_| !returns);
+        self.exchange = told.and_then(|exchange| exchange.after_edit(&self.world, &self.numbers, &self.buckets));
         (self.unscanned, self.outstanding) = (0, 0);
         for held in &mut self.chunks {
             if like_newest.binary_search(&held.right_in).is_ok() {
@@ -377,6 +377,7 @@ impl LedgerSolution {
     /// the camera's frustum, is worse than no order: see `docs/perception.md`.) Of chunks that were not scanned yet nothing is known. While something moves the pseudo-random order looks better:
     /// see [`crate::solver::Order::Adaptive`].
     pub fn look(&mut self, importance: &Importance) {
+        self.exchange.iter_mut().for_each(Exchange::choose);
         // Of a lamp that the rasteriser draws the first hits bring nothing.
         let counts: Vec<bool> =
             (0..self.tallies.len()).map(|lamp| Brought::from_lamp(&self.rules, &self.world, lamp as u16).counts).collect();

@@ -127,6 +127,7 @@ pub fn follow(
         if let Err(refused) = course.change(after.clone()) {
             return Ok(Ended::Refused(refused));
         }
+        course.watch();
         clock += start.elapsed();
     }
     // What is seen before any work costs no time.
@@ -152,8 +153,10 @@ pub fn follow(
         bar.set_position((course.share() * 1000.0) as u64);
         let is_last = course.share() >= 1.0;
         if work.rays as f64 >= next || is_last {
-            let errors = judge.errors(course.light(), course.photons_shot(), is_last || points.len() % FRAMES == 0)?;
-            let noticed = judge.noticed(course.light(), course.photons_shot());
+            // As it is shown: to read it out costs no time, neither here nor where all is read.
+            let light = course.expected();
+            let errors = judge.errors(&light, course.photons_shot(), is_last || points.len() % FRAMES == 0)?;
+            let noticed = judge.noticed(&light, course.photons_shot());
             points.push(Point { work, replayed, seconds: clock.as_secs_f64(), errors, noticed });
             next = work.rays as f64 * SPACING;
         }

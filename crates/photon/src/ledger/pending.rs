@@ -9,8 +9,8 @@
 //! between that and the light of now will not see the rest of the repair either.
 //!
 //! Of photons that several edits made wrong, those that were last right longer ago change more: by as much as there were edits since, as if all
-//! edits were steps of a drag. What is marked last need not be like what was repaired first, if what matters to a camera comes first. So only the last
-//! photons count, as many as are left or up to three times as many.
+//! edits were steps of a drag. What is marked last need not be like what was repaired first, if what matters to a camera comes first. Then nothing is
+//! expected, and of what is possible only the last photons tell, as many as are left or up to three times as many.
 
 use super::{
     LedgerSolution,
@@ -28,6 +28,8 @@ pub struct Exchange {
     now: Stretch,
     /// Photons repaired before both.
     earlier: u64,
+    /// Whether what was repaired is a sample of all: not if what a camera sees came first.
+    is_sample: bool,
     /// Chunks that were scanned since the last edit, and photons that were marked in them.
     scanned: [u64; 2],
 }
@@ -55,6 +57,8 @@ pub struct Pending {
     ratio: f64,
     /// Deposits that are thought to have gone or come unseen on every side.
     unseen: f64,
+    /// Whether what was repaired is a sample of all.
+    is_sample: bool,
 }
 
 /// The same of all watched repairs and those to come. More: a change is expected everywhere; 0: only where there was one already.
@@ -89,20 +93,31 @@ impl Exchange {
         self.now.edits += edits;
     }
 
-    /// So many are left: when no more of them than this stretch had, the next one begins in this light.
-    pub fn turn(&mut self, outstanding: u64, numbers: &Numbers, light: &Buckets) {
-        if self.now.photons >= outstanding {
-            let over = std::mem::replace(&mut self.now, Stretch::new(numbers, light));
+    /// So many are left. If what was repaired is no sample of them, and this stretch had as many, the next one begins.
+    pub fn turn(&mut self, outstanding: u64, numbers: &Numbers) {
+        if !self.is_sample && self.now.photons >= outstanding {
+            // Its light is not asked for: to keep it would copy every page in which light arrives.
+            let over = std::mem::replace(&mut self.now, Stretch::new(numbers, &Buckets::default()));
             self.earlier += self.before.replace(over).map_or(0, |before| before.photons);
         }
     }
 
-    /// What it tells after an edit, if anything: too little to begin anew without it.
-    pub fn after_edit(mut self, world: &World, numbers: &Numbers) -> Option<Exchange> {
-        self.scanned = [0; 2];
-        self.now.light.grow(world.configuration());
-        self.now.deposits.resize(numbers.count(), [0; 2]);
-        (self.before.is_none() && (1..ENOUGH).contains(&self.now.photons)).then_some(self)
+    /// From now on, until the next edit, what is repaired is no sample.
+    pub fn choose(&mut self) {
+        self.is_sample = false;
+    }
+
+    /// What it tells after an edit, if anything: the stretch is over if it was long enough. One that is over is kept: light that were shown as it is until
+    /// enough is known anew would flicker under a drag.
+    pub fn after_edit(mut self, world: &World, numbers: &Numbers, light: &Buckets) -> Option<Exchange> {
+        if self.now.photons >= ENOUGH {
+            self.before = Some(std::mem::replace(&mut self.now, Stretch::new(numbers, light)));
+        }
+        for stretch in self.before.iter_mut().chain([&mut self.now]) {
+            stretch.light.grow(world.configuration());
+            stretch.deposits.resize(numbers.count(), [0; 2]);
+        }
+        self.is_sample.then_some(Exchange { scanned: [0; 2], earlier: 0, ..self })
     }
 }
 
@@ -111,13 +126,13 @@ impl LedgerSolution {
     pub fn watch(&mut self) {
         self.exchange.get_or_insert_with(|| {
             let now = Stretch::new(&self.numbers, &self.buckets);
-            Exchange { before: None, now, earlier: 0, scanned: [0; 2] }
+            Exchange { before: None, now, earlier: 0, is_sample: self.visible.is_empty(), scanned: [0; 2] }
         });
     }
 
     /// What is still to come; `None` if it is not [watched](Self::watch).
     pub fn pending(&self) -> Option<Pending> {
-        let Exchange { before, now, earlier, scanned: [scanned, marked] } = self.exchange.as_ref()?;
+        let Exchange { before, now, earlier, is_sample, scanned: [scanned, marked] } = self.exchange.as_ref()?;
         let of_both = |of: fn(&Stretch) -> u64| before.as_ref().map_or(0, of) + of(now);
         let (repaired, edits) = (of_both(|stretch| stretch.photons), of_both(|stretch| stretch.edits));
         let all = (earlier + repaired + self.outstanding).max(1) as f64;
@@ -132,6 +147,7 @@ impl LedgerSolution {
             deposits,
             ratio: self.edits_outstanding(*marked as f64 / (*scanned).max(1) as f64) / edits.max(1) as f64,
             unseen: UNSEEN * (repaired + self.outstanding) as f64 / all,
+            is_sample: *is_sample,
         })
     }
 
@@ -154,10 +170,11 @@ impl Pending {
         self.ratio
     }
 
-    /// The light that is expected in the end of `light`, which is that of now: it goes on as it went, on sides where that is more than chance.
+    /// The light that is expected in the end of `light`, which is that of now: it goes on as it went, on sides where that is more than chance. `light` itself
+    /// if what a camera sees was repaired first ([`LedgerSolution::look`]): the rest is not like that.
     pub fn expected(&self, light: &Buckets) -> Buckets {
         let mut then = light.clone();
-        if self.ratio > 0.0 {
+        if self.is_sample && self.ratio > 0.0 {
             then.go_on(&self.light, self.ratio, |object| {
                 let Range { start, end } = self.numbers.of_object(object);
                 &self.deposits[start as usize..end as usize]
@@ -211,7 +228,7 @@ fn negative_binomial(shape: f64, ratio: f64, chance: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{body::TreePreset, halton::Scrambling, path::FirstHits, pool::Pool, world::World};
+    use crate::{body::TreePreset, halton::Scrambling, importance::Importance, path::FirstHits, pool::Pool, world::World};
     use glam::DVec3;
     use lightmend_scene::{Configuration, Edit, Scene};
     use std::{collections::BTreeMap, path::Path, sync::Arc};
@@ -267,6 +284,14 @@ mod tests {
             while ledger.repair_next().unwrap().is_some() {}
             assert_eq!(ledger.pending().unwrap().expected(ledger.buckets()), *exact.buckets());
         }
+        // What a camera sees is not like the rest.
+        let mut ledger = drained.clone();
+        ledger.change(world(1.5)).unwrap();
+        ledger.watch();
+        ledger.scan(usize::MAX);
+        ledger.look(&Importance::new(home.configuration().object_slots(), &[]));
+        ledger.repair_next().unwrap();
+        assert_eq!(ledger.pending().unwrap().expected(ledger.buckets()), *ledger.buckets());
         // On the way back the way there tells nothing.
         let mut ledger = drained.clone();
         for there in [true, false] {

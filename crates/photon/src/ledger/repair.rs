@@ -113,7 +113,7 @@ impl LedgerSolution {
             held.marked.clear();
         }
         if let Some(exchange) = &mut self.exchange {
-            exchange.turn(self.outstanding, &self.numbers, &self.buckets);
+            exchange.turn(self.outstanding, &self.numbers);
         }
         Ok((!next.is_empty()).then_some(mended))
     }

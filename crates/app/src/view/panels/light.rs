@@ -194,7 +194,7 @@ fn controls(desk: &mut Desk, ui: &mut Ui) {
         })
         .response
         .on_hover_text(
-            "Which groups of photons are re-shot first. Visible change first: what the camera sees and what changed most (V·P of the paper); Shuffled: all alike; a long drag looks better on its way, and with records the rest can be foreseen from what was repaired. Adaptive: shuffled with records; without, shuffled while something moves, visible change first when it rests",
+            "Which groups of photons are re-shot first. Visible change first: what the camera sees and what changed most (V·P of the paper). Shuffled: all alike; a long drag looks better on its way, and with records the rest can be foreseen from what was repaired. Adaptive: shuffled with records; without, shuffled while something moves, visible change first when it rests",
         );
     });
     let mut milliseconds = controls.iteration.as_secs_f64() * 1000.0;
