@@ -79,6 +79,7 @@ fn main() -> Fallible<()> {
     let whole = error(&steps[steps.len() - 1], &start);
     println!("{}: {} steps, {photons} photons; the change is {:.2} % of what is seen", scene.name, steps.len(), 100.0 * whole);
 
+    let end = steps[steps.len() - 1].at;
     let mut curves = Vec::new();
     let mut table = String::from("way\tseconds\tvisible_error\n");
     for (way, name, colour, stroke) in WAYS {
@@ -86,7 +87,6 @@ fn main() -> Fallible<()> {
         let as_it_is = (way == Way::Ledger).then_some((1, "ledger, as it is", Stroke::Dashed));
         for (which, name, stroke) in [(0, name, stroke)].into_iter().chain(as_it_is) {
             let points: Vec<(f64, f64)> = looks.iter().map(|(at, errors)| (*at, errors[which])).collect();
-            let end = steps[steps.len() - 1].at;
             let dragging = points.iter().filter(|(at, _)| *at <= end);
             let mean = dragging.clone().map(|(_, error)| error).sum::<f64>() / dragging.count().max(1) as f64;
             let until =
@@ -107,7 +107,7 @@ fn main() -> Fallible<()> {
         }
     }
     let panel = Panel {
-        title: format!("{}, dragged for {:.1} s, {photons} photons", scene.name, steps[steps.len() - 1].at),
+        title: format!("{}, dragged for {:.1} s, {photons} photons", scene.name, end),
         across: "seconds".into(),
         upwards: "outstanding, % of the change".into(),
         curves,

@@ -138,7 +138,7 @@ impl Snapshot {
     }
 
     /// What to show of the light: what is [expected](Pending::expected) of it once all is repaired; the same as `buckets` when it is `exact`,
-    /// and without a ledger. Takes as long as copying it.
+    /// and without a ledger. Copies all that changed since the repair began: some milliseconds for 10⁵ mesh elements.
     pub fn expected(&self) -> Buckets {
         self.pending.as_ref().map_or_else(|| self.buckets.clone(), |pending| pending.expected(&self.buckets))
     }

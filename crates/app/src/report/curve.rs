@@ -153,7 +153,7 @@ pub fn follow(
         bar.set_position((course.share() * 1000.0) as u64);
         let is_last = course.share() >= 1.0;
         if work.rays as f64 >= next || is_last {
-            // As it is shown: to read it out costs no time, neither here nor where all is read.
+            // As it is shown; the clock stands still while it is read out.
             let light = course.expected();
             let errors = judge.errors(&light, course.photons_shot(), is_last || points.len() % FRAMES == 0)?;
             let noticed = judge.noticed(&light, course.photons_shot());

@@ -35,31 +35,33 @@ impl Buckets {
                         changed.push(Page { now: Arc::make_mut(page), was });
                     }
                 }
-                if !changed.is_empty() {
-                    let events: Vec<u32> = events(object).iter().skip(side).step_by(2).map(|[went, came]| went + came).collect();
-                    for start in (0..self.cells[object] as usize).step_by(TOGETHER[0]) {
-                        let cells = start..(start + TOGETHER[0]).min(self.cells[object] as usize);
-                        self.deposits += go_on_in(&mut changed, cells, &events, ratio);
-                    }
+                if changed.is_empty() {
+                    continue;
+                }
+                let events: Vec<u32> = events(object).iter().skip(side).step_by(2).map(|[went, came]| went + came).collect();
+                let cells = self.cells[object] as usize;
+                for start in (0..cells).step_by(TOGETHER[0]) {
+                    let block = start..(start + TOGETHER[0]).min(cells);
+                    self.deposits += go_on_in(&mut changed, block.clone(), &events[block], ratio);
                 }
             }
         }
     }
 }
 
-/// The same on some cells of one side of an object; how many hits more there are.
+/// The same on some cells of one side of an object, each with its events; how many hits more there are.
 fn go_on_in(pages: &mut [Page], cells: Range<usize>, events: &[u32], ratio: f64) -> i64 {
-    if events[cells.clone()].iter().all(|events| *events == 0) {
+    if events.iter().all(|events| *events == 0) {
         return 0;
     }
-    let mut blocks = vec![Block::default(); pages.len()];
-    for (block, page) in blocks.iter_mut().zip(&*pages) {
+    let known = |page: &Page| {
         let was = |cell: usize| page.was.and_then(|was| was.get(cell)).copied().unwrap_or_default();
-        block.extend(cells.clone().map(|cell| [was(cell), page.now[cell]].map(light)));
-    }
+        cells.clone().map(|cell| [was(cell), page.now[cell]].map(light)).collect()
+    };
+    let block = Block { pages: pages.iter().map(known).collect(), events, ratio };
     let none = Trend { shares: vec![Light::default(); pages.len()], events: 0.0 };
     let mut more = 0;
-    follow(&blocks, &events[cells.clone()], ratio, 0..cells.len(), &TOGETHER, &none, &mut |page, cell, change| {
+    block.follow(0..cells.len(), &TOGETHER, &none, &mut |page, cell, change| {
         let bucket = &mut pages[page].now[cells.start + cell];
         // Rounded by hand: `round` is a call on processors before SSE 4.1.
         let then = |now: i64, change: f64| (now + (change + 0.5f64.copysign(change)) as i64).max(0);
@@ -70,15 +72,21 @@ fn go_on_in(pages: &mut [Page], cells: Range<usize>, events: &[u32], ratio: f64)
     more
 }
 
-/// What was on each cell of a page, and what is.
-type Block = Vec<[Light; 2]>;
-
 fn light(Bucket { energy: [red, green, blue], hits }: Bucket) -> Light {
     [red as f64, green as f64, blue as f64, hits as f64]
 }
 
 fn energy(light: &Light) -> f64 {
     light[0] + light[1] + light[2]
+}
+
+/// Cells of one side of an object.
+struct Block<'e> {
+    /// By page and cell: what was there, and what is.
+    pages: Vec<Vec<[Light; 2]>>,
+    /// By cell.
+    events: &'e [u32],
+    ratio: f64,
 }
 
 /// How light goes on that is not known better.
@@ -89,56 +97,56 @@ struct Trend {
     events: f64,
 }
 
-/// Goes on as `trend` says but for what deviates from it by more than chance, so many cells together, then fewer. `change` hears of what comes on each
-/// page and cell.
-fn follow(
-    pages: &[Block],
-    events: &[u32],
-    ratio: f64,
-    cells: Range<usize>,
-    together: &[usize],
-    trend: &Trend,
-    change: &mut impl FnMut(usize, usize, Light),
-) {
-    let [size, finer @ ..] = together else { return };
-    let mut own = Trend { shares: trend.shares.clone(), events: 0.0 };
-    // What comes by what came on the block itself, and the light that is there.
-    let mut changes = vec![[Light::default(); 2]; pages.len()];
-    for start in cells.clone().step_by(*size) {
-        let block = start..(start + size).min(cells.end);
-        let (mut deviation, mut all, mut lit, mut hits) = (0.0, 0.0, 0.0, 0.0);
-        for (((share, [own, now]), trend), page) in own.shares.iter_mut().zip(&mut changes).zip(&trend.shares).zip(pages) {
-            let mut was = Light::default();
-            *now = Light::default();
-            for cell in &page[block.clone()] {
-                for k in 0..4 {
-                    was[k] += cell[0][k];
-                    now[k] += cell[1][k];
+/// What is known of a page on some cells.
+#[derive(Clone, Copy, Default)]
+struct Known {
+    /// The light that is there.
+    now: Light,
+    /// What comes if it goes on as it did there.
+    own: Light,
+    /// What comes by the trend.
+    usual: Light,
+}
+
+impl Block<'_> {
+    /// Goes on as `trend` says but for what deviates from it by more than chance, so many cells together, then fewer. `change` hears of what comes on
+    /// each page and cell.
+    fn follow(&self, cells: Range<usize>, together: &[usize], trend: &Trend, change: &mut impl FnMut(usize, usize, Light)) {
+        let [size, finer @ ..] = together else { return };
+        let mut known = vec![Known::default(); self.pages.len()];
+        let mut next = Trend { shares: trend.shares.clone(), events: 0.0 };
+        for start in cells.clone().step_by(*size) {
+            let some = start..(start + size).min(cells.end);
+            let (mut deviation, mut all, mut lit, mut hits) = (0.0, 0.0, 0.0, 0.0);
+            for ((known, share), page) in known.iter_mut().zip(&trend.shares).zip(&self.pages) {
+                let [mut was, mut now] = [Light::default(); 2];
+                for cell in &page[some.clone()] {
+                    for k in 0..4 {
+                        was[k] += cell[0][k];
+                        now[k] += cell[1][k];
+                    }
                 }
+                let own = std::array::from_fn(|k| self.ratio * (now[k] - was[k]));
+                *known = Known { now, own, usual: std::array::from_fn(|k| share[k] * now[k]) };
+                deviation += energy(&known.own) - energy(&known.usual);
+                (all, lit, hits) = (all + energy(&now) + energy(&was), lit + energy(&now), hits + now[3] + was[3]);
             }
-            for k in 0..4 {
-                own[k] = ratio * (now[k] - was[k]);
-                share[k] = trend[k] * now[k];
-            }
-            deviation += energy(own) - energy(share);
-            (all, lit, hits) = (all + energy(now) + energy(&was), lit + energy(now), hits + now[3] + was[3]);
-        }
-        let events_here: u32 = events[block.clone()].iter().sum();
-        // Of so many events, all of the usual energy; where there were none, as many as there are with the neighbours.
-        let expected = f64::from(events_here).max(trend.events * lit);
-        let variance = expected * (ratio * all / f64::max(hits, 1.0)).powi(2);
-        let certain = if deviation == 0.0 { 0.0 } else { (1.0 - SURE.powi(2) * variance / deviation.powi(2)).max(0.0) };
-        for (n, (share, [own, now])) in own.shares.iter_mut().zip(&changes).enumerate() {
-            let comes = std::array::from_fn(|k| share[k] + certain * (own[k] - share[k]));
+            let events: u32 = self.events[some.clone()].iter().sum();
+            // Of so many events, all of the usual energy; where there were none, as many as there are with the neighbours.
+            let expected = f64::from(events).max(trend.events * lit);
+            let variance = expected * (self.ratio * all / f64::max(hits, 1.0)).powi(2);
+            let certain = if deviation == 0.0 { 0.0 } else { (1.0 - SURE.powi(2) * variance / deviation.powi(2)).max(0.0) };
+            let comes = |Known { own, usual, .. }: &Known| std::array::from_fn(|k| usual[k] + certain * (own[k] - usual[k]));
             if finer.is_empty() {
-                change(n, start, comes);
-            } else {
+                known.iter().enumerate().for_each(|(page, known)| change(page, start, comes(known)));
+                continue;
+            }
+            for (share, known) in next.shares.iter_mut().zip(&known) {
+                let (now, comes): (_, Light) = (known.now, comes(known));
                 *share = std::array::from_fn(|k| if now[k] > 0.0 { comes[k] / now[k] } else { 0.0 });
             }
-        }
-        if !finer.is_empty() {
-            own.events = f64::from(events_here) / lit.max(1.0);
-            follow(pages, events, ratio, block, finer, &own, change);
+            next.events = f64::from(events) / lit.max(1.0);
+            self.follow(some, finer, &next, change);
         }
     }
 }

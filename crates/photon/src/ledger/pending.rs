@@ -110,6 +110,9 @@ impl Exchange {
     /// What it tells after an edit, if anything: the stretch is over if it was long enough. One that is over is kept: light that were shown as it is until
     /// enough is known anew would flicker under a drag.
     pub fn after_edit(mut self, world: &World, numbers: &Numbers, light: &Buckets) -> Option<Exchange> {
+        if !self.is_sample {
+            return None;
+        }
         if self.now.photons >= ENOUGH {
             self.before = Some(std::mem::replace(&mut self.now, Stretch::new(numbers, light)));
         }
@@ -117,12 +120,12 @@ impl Exchange {
             stretch.light.grow(world.configuration());
             stretch.deposits.resize(numbers.count(), [0; 2]);
         }
-        self.is_sample.then_some(Exchange { scanned: [0; 2], earlier: 0, ..self })
+        Some(Exchange { scanned: [0; 2], earlier: 0, ..self })
     }
 }
 
 impl LedgerSolution {
-    /// From now on, until the next edit, it is noted what repairs bring.
+    /// From now on it is noted what repairs bring, until an edit after which that tells nothing; to be called again after each.
     pub fn watch(&mut self) {
         self.exchange.get_or_insert_with(|| {
             let now = Stretch::new(&self.numbers, &self.buckets);
@@ -245,7 +248,12 @@ mod tests {
         }
     }
 
-    /// RMS over all sides and lamps of the difference of two lights, energy.
+    fn cornell() -> Arc<World> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell/cornell.ron");
+        Arc::new(World::new(&Configuration::initial(&Scene::read(&path).unwrap().0), TreePreset::default()))
+    }
+
+    /// Root of the sum over all sides and lamps of the squared difference of two lights, energy.
     fn distance(a: &Buckets, b: &Buckets) -> f64 {
         let of = |light: &Buckets| -> BTreeMap<_, i64> {
             light.lit().map(|(at, bucket)| ((at.object, at.cell, at.side, at.lamp), bucket.energy.iter().sum())).collect()
@@ -259,8 +267,7 @@ mod tests {
 
     #[test]
     fn expected_light_is_nearer_to_exact_light() {
-        let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell/cornell.ron");
-        let home = Arc::new(World::new(&Configuration::initial(&Scene::read(&cornell).unwrap().0), TreePreset::default()));
+        let home = cornell();
         let to = |x: f64| Edit::Move { object: "short box".into(), to: DVec3::new(x, 0.45, 0.0) };
         let world = |x: f64| Arc::new(home.moved_to(&home.configuration().apply(&to(x)).unwrap()));
         let pool = Pool::new(1_200_000, 72, 16, Scrambling::Seed(1)).unwrap();
@@ -304,8 +311,7 @@ mod tests {
 
     #[test]
     fn what_is_to_come_is_told_before_it_comes() {
-        let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell/cornell.ron");
-        let world = Arc::new(World::new(&Configuration::initial(&Scene::read(&cornell).unwrap().0), TreePreset::default()));
+        let world = cornell();
         let pool = Pool::new(240_000, 72, 16, Scrambling::Seed(1)).unwrap();
         let mut ledger = LedgerSolution::shoot(pool, world.clone(), FirstHits::Never, u64::MAX, &mut |_, _| true).unwrap();
         let edit = Edit::Move { object: "short box".into(), to: DVec3::new(1.5, 0.45, 0.0) };
