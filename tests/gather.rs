@@ -51,8 +51,9 @@ fn a_sphere_is_lit_evenly_and_errors_are_as_stated() {
         }
         let rms = rms(&deviations);
         println!("{photons} photons, {rays} rays: RMS deviation {rms:.2} standard errors");
-        // The points of one pool share its photons, so 24 pools tell their error to some 15 %.
-        assert!((0.7..1.35).contains(&rms), "{photons} photons, {rays} rays: {rms}");
+        // The points of one pool share its photons, so 24 pools tell their error to some 15 %. Stated are photons that come by chance; the sequence
+        // lights a sphere more evenly (0.69 where photons make the error, 0.77 when their reconstruction was noisier).
+        assert!((0.6..1.35).contains(&rms), "{photons} photons, {rays} rays: {rms}");
     }
 }
 

@@ -20,6 +20,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// Mesh elements as fine as the shadows of furniture, metres (docs/accuracy.md, how to choose).
+const FURNITURE: f64 = 0.15;
+/// More elements than this are asked for, not taken.
+const MOST_ELEMENTS: f64 = 400_000.0;
+
 #[derive(clap::Args)]
 pub struct Arguments {
     /// OBJ files
@@ -43,7 +48,7 @@ pub struct Arguments {
     /// An object that may be moved; `all` for every one
     #[arg(long, value_name = "NAME")]
     movable: Vec<String>,
-    /// Longest edge of a mesh element, metres; by default about 12,000 elements
+    /// Longest edge of a mesh element, metres; by default 0.15 or less, more where that were over 400,000 elements
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     cell: Option<f64>,
     #[command(flatten)]
@@ -300,15 +305,19 @@ impl Import {
         (points().fold(DVec3::INFINITY, DVec3::min), points().fold(DVec3::NEG_INFINITY, DVec3::max))
     }
 
-    /// About 12,000 right-angled elements over all surfaces, to two digits.
+    /// Fine enough for the shadows of furniture and for 12,000 right-angled elements over all surfaces, if not too many come of it; to two digits.
     fn default_cell(&self) -> f64 {
-        let area: f64 = self
-            .objects
-            .iter()
-            .flat_map(|(_, m)| (0..m.triangles.len()).map(|t| m.corners(t)))
-            .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
-            .sum();
-        let cell = (4.0 * area / 12_000.0).sqrt().max(1e-6);
+        let triangles = || self.objects.iter().flat_map(|(_, m)| (0..m.triangles.len()).map(|t| m.corners(t)));
+        let area: f64 = triangles().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum();
+        let longest: Vec<f64> =
+            triangles().map(|[a, b, c]| (b - a).length().max((c - b).length()).max((a - c).length())).collect();
+        // A triangle is cut into as many elements as its longest edge into parts, squared.
+        let elements = |cell: f64| longest.iter().map(|edge| (edge / cell).ceil().powi(2)).sum::<f64>();
+        let most = MOST_ELEMENTS.max(2.0 * longest.len() as f64);
+        let mut cell = (4.0 * area / 12_000.0).sqrt().clamp(1e-6, FURNITURE);
+        while elements(cell) > most {
+            cell *= 1.1;
+        }
         let digit = 10f64.powf(cell.log10().floor() - 1.0);
         (cell / digit).round() * digit
     }
@@ -338,6 +347,25 @@ mod tests {
         let mesh =
             Mesh { material_of: vec![0; triangles.len()], positions, triangles, materials: vec!["grey".into()], uvs: Vec::new() };
         Import { objects: vec![("room".into(), mesh)], ..Import::default() }
+    }
+
+    #[test]
+    fn elements_are_as_fine_as_furniture_needs_and_not_too_many() {
+        let cell = |scale: f64| {
+            let mut import = walls(false);
+            import.objects[0].1.positions.iter_mut().for_each(|p| *p *= scale);
+            import.default_cell()
+        };
+        // 52 m² in 12,000 right-angled elements.
+        assert_eq!(cell(1.0), 0.13);
+        // As many for 468 m² had 0.39 m.
+        assert_eq!(cell(3.0), FURNITURE);
+        // 60 × 45 × 30 m at 0.15 m had 2.3 million; 12,000 had 2 m.
+        assert!((0.34..0.42).contains(&cell(15.0)), "{}", cell(15.0));
+        // Triangles that are long and thin have many elements for their area: 4 km × 3 mm.
+        let mut slivers = walls(false);
+        slivers.objects[0].1.positions.iter_mut().for_each(|p| *p *= DVec3::new(1000.0, 0.001, 0.001));
+        assert!((16.0..21.0).contains(&slivers.default_cell()), "{}", slivers.default_cell());
     }
 
     #[test]

@@ -50,6 +50,7 @@ pub fn files() -> Result<Vec<File>, image::ImageError> {
             files.push(File::text(&format!("{folder}/{}{}.obj", scene.meshes.0, mesh.name), mesh.obj()));
         }
     }
+    files.push(File::text("room/fine.ron", room::fine().ron()));
     let papered = room::papered();
     files.push(File::text("room/papered.ron", papered.ron()));
     let shell = papered.meshes.1.iter().filter(|mesh| mesh.name == "papered_shell");

@@ -1,8 +1,9 @@
 //! Irradiance of patches from noisy sums of photons, from coarse to fine.
 //!
 //! A patch is predicted from the next coarser level: the irradiance there plus its gradient, fitted to the neighbours (local linear
-//! estimate: Walter 1998). What the photons say of the patch itself differs from that by noise, whose variance is known (Poisson), and by
-//! detail, whose variance τ² is what remains of the squared differences around it. Detail is believed to the share τ² / (τ² + noise)
+//! estimate: Walter 1998). The step from the patch above to this one, as the photons say it, differs from the predicted step by noise, whose
+//! variance is known (Poisson), and by detail, whose variance τ² is what remains of the squared differences around it. (The photons of the
+//! whole patch above were judged there; their noise, counted again, would pass for detail of each of its parts.) Detail is believed to the share τ² / (τ² + noise)
 //! (Wiener filter with a local empirical variance: Mıhçak et al. 1999). As photons grow the noise vanishes and every detail is believed:
 //! the estimate is consistent. The parts of a patch keep its flux.
 
@@ -41,16 +42,22 @@ const PRIOR_GRADIENT: f64 = 1.0;
 
 /// Irradiance of the level-0 patches of one side of a mesh, from their `sums`.
 pub fn estimate(patches: &Patches, sums: &[Sum]) -> Vec<Estimate> {
-    let mut mean = vec![Estimate::default(); sums.len()];
     let part = 1.0 / patches.grids.len() as f64;
-    for grid in &patches.grids {
-        for (mean, one) in mean.iter_mut().zip(in_grid(&patches.cells, grid, sums)) {
+    let grids: Vec<Vec<Estimate>> = patches.grids.iter().map(|grid| in_grid(&patches.cells, grid, sums)).collect();
+    let mean = |p: usize| {
+        let mut mean = Estimate::default();
+        for one in grids.iter().map(|estimates| estimates[p]) {
             mean.value += one.value * part;
             mean.variance += one.variance * part;
             mean.detail += one.detail * part;
         }
-    }
-    mean
+        // What the grids differ by is error that their mean is rid of: of estimates that share nothing, all but one part.
+        let light = luminance(mean.value);
+        let apart: f64 = grids.iter().map(|estimates| (luminance(estimates[p].value) - light).powi(2) * part).sum();
+        mean.variance = (mean.variance - apart).max(mean.variance * part);
+        mean
+    };
+    (0..sums.len()).map(mean).collect()
 }
 
 fn in_grid(cells: &Level, grid: &Grid, sums: &[Sum]) -> Vec<Estimate> {
@@ -128,9 +135,10 @@ fn refine([level, above]: [&Level; 2], parents: &[u32], [sums, sums_above]: [&[S
         // Lumens per hit.
         let per_hit = sums_above[parent].squares / luminance(sums_above[parent].flux).max(f64::MIN_POSITIVE);
         let share = (1.0 - area / above.area[parent]).max(0.0);
+        let step_by_photons = sum.flux / area - sums_above[parent].flux / above.area[parent];
         Detail {
             predicted,
-            difference: sum.flux / area - predicted,
+            difference: step_by_photons - (predicted - from.value),
             noise: luminance(predicted) * per_hit / area * share,
             variance: from.variance,
         }

@@ -53,6 +53,12 @@ pub fn scene() -> Scene {
     }
 }
 
+/// The same for pictures, written beside it as `fine.ron`: elements as fine as the shadows under furniture (docs/accuracy.md, how to choose), and
+/// a little above the sizes that furniture is made of.
+pub fn fine() -> Scene {
+    Scene { name: "fine room", cell: 0.152, ..scene() }
+}
+
 /// The same with floor and walls in large strong checks, which hide errors of the light: written beside it, as `papered.ron`.
 pub fn papered() -> Scene {
     let mut scene = scene();
