@@ -9,7 +9,7 @@ use crate::{
 };
 use glam::DVec3;
 use lightmend_scene::{
-    Direct, FARTHEST, Mesh, SceneError, Up,
+    Direct, FARTHEST, Lattice, Mesh, SceneError, Up,
     format::{CameraEntry, LampEntry, MaterialEntry, ObjectEntry, SceneFile, write_ron},
     obj::{MtlMaterial, Strictness, read_obj, write_obj},
     unknown, within_reach,
@@ -23,7 +23,7 @@ use std::{
 /// Mesh elements as fine as the shadows of furniture, metres (docs/accuracy.md, how to choose).
 const FURNITURE: f64 = 0.15;
 /// More elements than this are asked for, not taken.
-const MOST_ELEMENTS: f64 = 400_000.0;
+const MOST_ELEMENTS: u64 = 400_000;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -309,13 +309,14 @@ impl Import {
     fn default_cell(&self) -> f64 {
         let triangles = || self.objects.iter().flat_map(|(_, m)| (0..m.triangles.len()).map(|t| m.corners(t)));
         let area: f64 = triangles().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum();
-        let longest: Vec<f64> =
-            triangles().map(|[a, b, c]| (b - a).length().max((c - b).length()).max((a - c).length())).collect();
-        // A triangle is cut into as many elements as its longest edge into parts, squared.
-        let elements = |cell: f64| longest.iter().map(|edge| (edge / cell).ceil().powi(2)).sum::<f64>();
-        let most = MOST_ELEMENTS.max(2.0 * longest.len() as f64);
+        // None: more than can be numbered.
+        let elements = |cell: f64| -> Option<u64> {
+            self.objects.iter().map(|(_, mesh)| Lattice::new(mesh, cell).map(|lattice| u64::from(lattice.cells()))).sum()
+        };
+        // However large they are, triangles have one element each at least.
+        let most = MOST_ELEMENTS.max(2 * triangles().count() as u64);
         let mut cell = (4.0 * area / 12_000.0).sqrt().clamp(1e-6, FURNITURE);
-        while elements(cell) > most {
+        while elements(cell).is_none_or(|elements| elements > most) {
             cell *= 1.1;
         }
         let digit = 10f64.powf(cell.log10().floor() - 1.0);

@@ -2,7 +2,7 @@
 
 use lightmend_photon::{
     bucket::Buckets,
-    field::{Field, Side},
+    field::Field,
     irradiance::Scale,
     reconstruction::{Reconstruction, Shapes},
     world::World,
@@ -52,11 +52,7 @@ impl IndirectLight {
     pub fn field(&mut self, world: &World, buckets: &Buckets, scale: &Scale) -> Field {
         let configuration = world.configuration();
         let light = self.reconstruct(configuration, buckets, scale, configuration.lamp_slots());
-        Field::read(world, |object, cell, side| Side {
-            irradiance: light.cell(object, cell, side).value,
-            area: world.object(object).lattice.area(cell),
-            hits: 0,
-        })
+        Field::reconstructed(world, &light)
     }
 
     /// How far the light still is from what it will be, as a share of that: illuminance, in all channels alike.

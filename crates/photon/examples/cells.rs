@@ -45,10 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let lamps = world.configuration().lamp_slots();
             let light = Reconstruction::new(&shapes, world.configuration(), solution.buckets(), &scale, lamps);
             let raw = Field::raw(&world, solution.buckets(), &scale);
-            let elements = Field::read(&world, |object, cell, side| {
-                let area = world.object(object).lattice.area(cell);
-                Side { irradiance: light.cell(object, cell, side).value, area, hits: 0 }
-            });
+            let elements = Field::reconstructed(&world, &light);
             let [before, after] = [&raw, &elements].map(|field| reference.measure(field));
             let (within, counted) = within(&world, &reference, &raw, &light);
             let Measures { nrmse, median, .. } = at_places.measure(&shown(&world, &finest, &shapes, &light));
@@ -113,9 +110,8 @@ fn shown(world: &World, finest: &World, shapes: &Shapes, light: &Reconstruction)
         for side in [0, 1] {
             let values = light.vertices(id, side);
             for t in 0..points.triangles() {
-                let (n, fine) = (lattice.divisions(t), object.lattice.divisions(t));
-                let area = object.lattice.area_in(t);
-                for [b1, b2] in centres(fine) {
+                let (n, area) = (lattice.divisions(t), object.lattice.area_in(t));
+                for [b1, b2] in object.lattice.centres(t).map(|centre| centre.map(|b| b as f32)) {
                     let corners = corners[lattice.cell(t, b1, b2) as usize];
                     let [u, v] = [b1 * n as f32, b2 * n as f32].map(f32::fract);
                     // An inverted cell has the points (1, 0), (0, 1), (1, 1) of its square.
@@ -130,14 +126,4 @@ fn shown(world: &World, finest: &World, shapes: &Shapes, light: &Reconstruction)
         }
     }
     Field::read(finest, |id, cell, side| sides[id][side][cell as usize])
-}
-
-/// The centres of the cells of a triangle that is cut into n², in the order of their numbers, as weights of its second and third corner.
-fn centres(n: u32) -> impl Iterator<Item = [f32; 2]> {
-    (0..n).flat_map(move |i| {
-        (0..2 * (n - i) - 1).map(move |m| {
-            let third = if m % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
-            [(i as f32 + third) / n as f32, ((m / 2) as f32 + third) / n as f32]
-        })
-    })
 }

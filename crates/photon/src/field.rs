@@ -1,6 +1,6 @@
 //! The irradiance of every element side of a scene, to be compared with another ([`crate::accuracy`]).
 
-use crate::{bucket::Buckets, irradiance::Scale, world::World};
+use crate::{bucket::Buckets, irradiance::Scale, reconstruction::Reconstruction, world::World};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -30,6 +30,14 @@ impl Field {
             let area = world.object(object).lattice.area(cell);
             let light = scale.irradiance(buckets, object, cell, side, area);
             Side { irradiance: light.value, area, hits: light.hits }
+        })
+    }
+
+    /// What a reconstruction makes of the buckets; hits are not counted.
+    pub fn reconstructed(world: &World, light: &Reconstruction) -> Field {
+        Field::read(world, |object, cell, side| {
+            let area = world.object(object).lattice.area(cell);
+            Side { irradiance: light.cell(object, cell, side).value, area, hits: 0 }
         })
     }
 

@@ -105,6 +105,17 @@ impl Lattice {
     pub fn cells_of(&self, t: usize) -> std::ops::Range<u32> {
         self.cuts[t].first..self.cuts[t + 1].first
     }
+
+    /// The centres of the cells of triangle `t`, in the order of [`cells_of`](Self::cells_of): barycentric weights of its second and third corner.
+    pub fn centres(&self, t: usize) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let n = self.divisions(t);
+        (0..n).flat_map(move |i| {
+            (0..2 * (n - i) - 1).map(move |m| {
+                let third = if m % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+                [i, m / 2].map(|step| (f64::from(step) + third) / f64::from(n))
+            })
+        })
+    }
 }
 
 #[cfg(test)]

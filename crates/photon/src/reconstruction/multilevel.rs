@@ -3,8 +3,8 @@
 //! A patch is predicted from the next coarser level: the irradiance there plus its gradient, fitted to the neighbours (local linear
 //! estimate: Walter 1998). The step from the patch above to this one, as the photons say it, differs from the predicted step by noise, whose
 //! variance is known (Poisson), and by detail, whose variance τ² is what remains of the squared differences around it. (The photons of the
-//! whole patch above were judged there; their noise, counted again, would pass for detail of each of its parts.) Detail is believed to the share τ² / (τ² + noise)
-//! (Wiener filter with a local empirical variance: Mıhçak et al. 1999). As photons grow the noise vanishes and every detail is believed:
+//! whole patch above were judged there; their noise, counted again, would pass for detail of each of its parts.) Detail is believed to
+//! the share τ² / (τ² + noise) (Wiener filter with a local empirical variance: Mıhçak et al. 1999). As photons grow the noise vanishes and every detail is believed:
 //! the estimate is consistent. The parts of a patch keep its flux.
 
 use super::patches::{Grid, Level, Patches};

@@ -125,24 +125,13 @@ fn cells(mesh: &Mesh, lattice: &Lattice) -> (Vec<u32>, Vec<DVec3>, Vec<f64>) {
     let (mut centre, mut area) = (Vec::new(), Vec::new());
     for t in (0..mesh.triangles.len()).filter(|t| lattice.area_in(*t) > 0.0) {
         let [a, b, c] = mesh.corners(t);
-        let n = f64::from(lattice.divisions(t));
-        for (cell, [b1, b2]) in lattice.cells_of(t).zip(centres(lattice.divisions(t))) {
+        for (cell, [b1, b2]) in lattice.cells_of(t).zip(lattice.centres(t)) {
             patch_of[cell as usize] = area.len() as u32;
-            centre.push(a + (b - a) * (b1 / n) + (c - a) * (b2 / n));
+            centre.push(a + (b - a) * b1 + (c - a) * b2);
             area.push(lattice.area_in(t));
         }
     }
     (patch_of, centre, area)
-}
-
-/// The centres of a triangle's cells in the order of their numbers, in units of its lattice's steps.
-fn centres(n: u32) -> impl Iterator<Item = [f64; 2]> {
-    (0..n).flat_map(move |i| {
-        (0..2 * (n - i) - 1).map(move |m| {
-            let third = if m % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
-            [f64::from(i) + third, f64::from(m / 2) + third]
-        })
-    })
 }
 
 /// A level is kept if it has at most this share of the patches below it.

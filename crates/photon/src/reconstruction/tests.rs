@@ -3,7 +3,7 @@ use crate::{
     accuracy::relative_errors,
     body::TreePreset,
     bucket::{Address, Bucket, ENERGY_BITS},
-    field::{Field, Side},
+    field::Field,
     halton::Scrambling,
     path::FirstHits,
     pool::Pool,
@@ -264,11 +264,7 @@ fn the_stated_median_error_is_the_true_one() {
     for photons in [100_000, 400_000] {
         let (buckets, scale) = shoot(photons, 1);
         let light = Reconstruction::new(&shapes, world.configuration(), &buckets, &scale, world.configuration().lamp_slots());
-        let field = Field::read(&world, |object, cell, side| Side {
-            irradiance: light.cell(object, cell, side).value,
-            area: world.object(object).lattice.area(cell),
-            hits: 0,
-        });
+        let field = Field::reconstructed(&world, &light);
         let [measured] = relative_errors(&field, &reference, [0.5]);
         let stated = light.median_error();
         println!("{photons} photons: stated {stated:.4}, measured {measured:.4}");
